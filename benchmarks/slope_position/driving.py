@@ -4,8 +4,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from benchmarks.real_car.driving import LASTING
 from benchmarks.runner import Row, at_most, not_judged, run_lengths
-from benchmarks.slope_position.stops import VEHICLE, Told, feed, readers_of, sensor_messages
+from benchmarks.slope_position.stops import VEHICLE, Told, graph_of, sensor_messages, take
 from corner_sim.car.car import STEP
 from corner_sim.car.cornering_car import CorneringCar
 from corner_sim.car.driving import OrdinaryDriver
@@ -13,8 +14,6 @@ from corner_sim.car.measured_car import MeasuredCar
 from corner_sim.car.random_car import random_car
 from vehicle_models.vehicle_file import load_vehicle
 
-LASTING: Final = 0.05
-"""Time for which a sign -1 is a claim [s]."""
 DRIVE: Final = 180.0
 """Length of a drive [s]."""
 START: Final = 12.0
@@ -34,14 +33,13 @@ def make_drive(job: tuple[str, int]) -> tuple[int, float, float, float]:
     measured, driver = MeasuredCar(car, START, seed, moving), OrdinaryDriver(car, seed)
     rng = np.random.default_rng([seed, 21])
     bias, offset = float(rng.normal(0.0, 0.1)), float(rng.normal(0.0, 0.01))
-    readers = readers_of(vehicle, method)
+    graph = graph_of(vehicle, method)
     told: Told = {}
     braked = 0.0
     for step in range(round(DRIVE / STEP)):
         if step % measured.steps_per_sample == 0:
             _, sample = sensor_messages(measured, moving, vehicle, bias, offset, rng)
-            for message in sample:
-                feed(readers, message, told)
+            take(graph, sample, told)
         around = driver.surroundings(measured.time, moving)
         pressure = driver.pressure(measured.time, STEP, moving)
         braked += STEP * (max(pressure) > 0.0)

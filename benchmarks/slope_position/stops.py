@@ -22,6 +22,8 @@ from corner_sim.car.tyres import BRUSH_TYRES, TYRES, Scaled, Tyre
 from corner_sim.ros import messages
 from corner_sim.sensors import CHAPTER_NOISE, Measurement
 from friction_parameters.parameter import changed
+from friction_runtime.messages import to_nanoseconds
+from friction_runtime.processor import ProcessorGraph
 from friction_slope.parameters import SHIPPED
 from friction_slope.ros.processor import build
 from vehicle_models.constants import GRAVITY
@@ -172,15 +174,14 @@ def _car(case: Case, seed: int) -> tuple[CarParameters, Cycling]:
 
 
 def _follow(case: Case, parameters: CarParameters, cycling: Cycling, vehicle: Vehicle, method: str, seed: int) -> Stop:
-    readers = readers_of(vehicle, method)
+    graph = graph_of(vehicle, method)
     answers: Told = {}
     truth = []
     stamps = []
     for stamp, sample, row in _drive(case, parameters, cycling, seed):
         stamps.append(stamp)
         truth.append(row)
-        for message in sample:
-            feed(readers, message, answers)
+        take(graph, sample, answers)
     table = np.array(truth)
     time = table[:, 0]
     told_at = np.zeros((len(time), 4))
@@ -194,25 +195,21 @@ def _follow(case: Case, parameters: CarParameters, cycling: Cycling, vehicle: Ve
     return Stop(time, table[:, 1:5] > table[:, 5:9], judged, sign, told_at)
 
 
-def readers_of(vehicle: Vehicle, method: str) -> list[Any]:
+def graph_of(vehicle: Vehicle, method: str) -> ProcessorGraph:
     """Return wheel_slip and friction_slope of a car, without the votes where they are apart."""
     slope = changed(SHIPPED["friction_slope"].parameters, {"method": method})
     estimates = [each for each in build(slope, vehicle) if FrictionSlope in each.outputs.values()]
-    return [CarProcessor(vehicle, SHIPPED_SLIP["wheel_slip"].parameters), *estimates]
+    return ProcessorGraph([CarProcessor(vehicle, SHIPPED_SLIP["wheel_slip"].parameters), *estimates])
 
 
-def feed(readers: Sequence[Any], given: tuple[str, Any], told: Told) -> None:
-    """Pass a message on, and what comes of it; note the signs."""
-    topic, message = given
-    if isinstance(message, FrictionSlope):
-        stamp = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
-        delay = message.delay if np.isfinite(message.delay) else 0.0
-        told[message.wheel, stamp] = (message.sign if message.validity.valid else 0, delay)
-        return
-    for reader in readers:
-        if topic in reader.sensors or topic in reader.estimates:
-            for made in reader.process(topic, message):
-                feed(readers, made, told)
+def take(graph: ProcessorGraph, sample: Sequence[tuple[str, Any]], told: Told) -> None:
+    """Feed the messages of a sample, and note the signs that come of them."""
+    for topic, message in sample:
+        for _, answer in graph.feed(topic, message):
+            if isinstance(answer, FrictionSlope):
+                delay = answer.delay if np.isfinite(answer.delay) else 0.0
+                sign = answer.sign if answer.validity.valid else 0
+                told[answer.wheel, to_nanoseconds(answer.header.stamp)] = (sign, delay)
 
 
 def sensor_messages(
