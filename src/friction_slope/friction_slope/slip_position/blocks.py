@@ -26,8 +26,6 @@ SPEED_AGE: Final = 0.4
 """Age of a wheel speed, at its stamp or the mean since the last: mean and deviation [sample intervals]."""
 LOCKED: Final = 0.9
 """Slip from which on a wheel stands: its brake holds it, and not the road [-]."""
-SLOWEST: Final = 1.0
-"""Speed that divides the slips of a slower car [m/s]."""
 LEAST_SIGMA: Final = 1e-5
 _LENGTH_MARGIN: Final = 1e-4
 
@@ -36,19 +34,12 @@ class Blocks:
     """Sums of the samples of a block."""
 
     def __init__(self, vehicle: Vehicle) -> None:
-        """Begin without samples."""
+        """Choose a car; `begin` comes first."""
         self._radius = np.array(vehicle.radii)
         self._inertia = np.array([wheel.inertia for wheel in vehicle.wheels])
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget the samples."""
-        self._samples = 0
-        self._begun = False
 
     def begin(self, wheel_speed: Array, torque: Array, slip: Array) -> None:
         """Begin a block at a sample, arrays of shape (n,)."""
-        self._begun = True
         self._samples, self._duration = 0, 0.0
         self._first = wheel_speed, torque, slip
         self._torque = torque
@@ -91,14 +82,22 @@ class Blocks:
         return self._duration > LENGTH - _LENGTH_MARGIN
 
     def end(
-        self, wheel_speed: Array, kinematic: Array, speed: Array, lateral_slip: Array, lateral_stddev: Array, mu: Array
+        self,
+        wheel_speed: Array,
+        kinematic: Array,
+        by_ground_speed: Array,
+        slip_noise: Array,
+        lateral_slip: Array,
+        lateral_stddev: Array,
+        mu: Array,
     ) -> tuple[Block, Array]:
         """Return the block, and the brake forces in it [N], (n,); then begin the next.
 
         Args:
             wheel_speed: at the last sample [rad/s], (n,).
             kinematic: slip of the wheels at the last sample [-], (n,).
-            speed: ground speed of the wheels [m/s], (n,).
+            by_ground_speed: its derivative by the ground speed [s/m], (n,).
+            slip_noise: deviation of it by the white noise of the wheel speed [-], (n,).
             lateral_slip: s_y [-], (n, H).
             lateral_stddev: its deviation [-], (n, H).
             mu: peak friction of the hypotheses [-], (n, H).
@@ -120,7 +119,6 @@ class Blocks:
         # the same for all hypotheses: an error of s_y is no evidence against those that it matters to
         across_spread = ((mu * by_lateral * lateral_stddev) ** 2).mean(axis=1)
         slip_rate = (kinematic - first_slip) / duration
-        slip_noise = self._radius * WHEEL_SPEED_STDDEV / np.maximum(speed, SLOWEST)
         slip_variance = (age * slip_rate) ** 2 + slip_noise**2 / self._samples
         friction = (spin + torque) / lever
         noise = (np.sqrt(2.0) * self._inertia * WHEEL_SPEED_STDDEV / duration) ** 2 + TORQUE_STDDEV**2 / self._samples
@@ -131,7 +129,7 @@ class Blocks:
             variance=(noise + (age * torque_rate) ** 2) / lever**2,
             spread=(mu * by_slip) ** 2 * slip_variance[:, np.newaxis] + across_spread[:, np.newaxis],
             ratio=self._ratio / duration,
-            by_speed=by_slip * ((1.0 - kinematic) / np.maximum(speed, SLOWEST))[:, np.newaxis],
+            by_speed=by_slip * by_ground_speed[:, np.newaxis],
             by_relaxation=by_slip * by_length[:, np.newaxis],
             by_delay=-torque_rate / lever,
             by_inertia=-spin / lever,

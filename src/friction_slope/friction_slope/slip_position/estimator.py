@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_slope.slip_position.blocks import SLOWEST, SPEED_AGE, WHEEL_SPEED_STDDEV, Blocks
+from friction_slope.slip_position.blocks import SPEED_AGE, WHEEL_SPEED_STDDEV, Blocks
 from friction_slope.slip_position.common_road import joint_weights, own_weights
 from friction_slope.slip_position.curve_shapes import LAMBDA_MAX, SHAPES, STEP
 from friction_slope.slip_position.hypotheses import LEAST_SPEED, MU, RELAXATION, SPEED, Hypotheses
@@ -28,6 +28,8 @@ from vehicle_models.vehicle import Vehicle
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+SLOWEST: Final = 1.0
+"""Speed that divides the slips of a slower car [m/s]."""
 SLOWEST_EVIDENCE: Final = 2.5
 """Speed of the car up to which blocks are no evidence [m/s]."""
 _GRID: Final = 0.3 * STEP
@@ -78,8 +80,8 @@ class SlipPosition:
 
     def reset(self) -> None:
         """Forget everything."""
-        for part in (self._loads, self._lateral, self._blocks):
-            part.reset()
+        self._loads.reset()
+        self._lateral.reset()
         self._stamp: int | None = None
         self._known = np.zeros(self._n, dtype=bool)
         self._braked = np.zeros(self._n, dtype=bool)
@@ -88,6 +90,10 @@ class SlipPosition:
         self._by_length: Array = np.zeros(self._n)
         """Its derivative by the relaxation length [1/m], shape (n,)."""
         self._kinematic: Array = np.zeros(self._n)
+        self._by_ground_speed: Array = np.zeros(self._n)
+        """Derivative of the kinematic slip by the ground speed [s/m], shape (n,)."""
+        self._slip_noise: Array = np.zeros(self._n)
+        """Deviation of the kinematic slip by the white noise of the wheel speed [-], shape (n,)."""
         self._growth: Array = np.zeros(self._n)
         """What the tyre has built up of the rest of its slip within the age of a wheel speed [-], shape (n,)."""
         self._forces = np.zeros(self._n)
@@ -122,6 +128,8 @@ class SlipPosition:
         wheel_speed = np.where(known, sample.wheel_speed, 0.0)
         torque = np.where(known, sample.torque, 0.0) + self._drag
         stddev = np.where(known, sample.slip_stddev, 0.0) * speed
+        self._by_ground_speed = (1.0 - kinematic) / speed
+        self._slip_noise = self._radius * WHEEL_SPEED_STDDEV / speed
         any_braked = bool(braked.any())
         if any_braked:
             self._begin_braking(braked, stddev)
@@ -134,7 +142,7 @@ class SlipPosition:
             self._relax(dt, speed, kinematic, known)
             measured = self._move(dt, sample, speed, car_speed, known)
             if any_braked and car_speed > SLOWEST_EVIDENCE:
-                self._gather(dt, wheel_speed, torque, kinematic, speed, stddev, known & braked, measured)
+                self._gather(dt, wheel_speed, torque, kinematic, stddev, known & braked, measured)
             else:
                 self._blocks.begin(wheel_speed, torque, kinematic)
         self._stamp, self._known, self._kinematic = sample.stamp, known, kinematic
@@ -142,7 +150,7 @@ class SlipPosition:
             self._braked = braked
             return np.full(self._n, nan)
         judged = known & braked & (self._seen | (self.slip > LAMBDA_MAX[-1]))
-        return np.where(judged, self._probability(kinematic, speed), nan)
+        return np.where(judged, self._probability(kinematic), nan)
 
     def _begin_braking(self, braked: Flags, stddev: Array) -> None:
         """Begin anew with the wheels that are braked and were not; `stddev` is that of their ground speeds [m/s]."""
@@ -196,7 +204,6 @@ class SlipPosition:
         wheel_speed: Array,
         torque: Array,
         kinematic: Array,
-        speed: Array,
         stddev: Array,
         used: Flags,
         measured: bool,
@@ -204,11 +211,13 @@ class SlipPosition:
         """Add a sample to the block, and take the block as evidence where it is long enough."""
         lateral, loads, found = self._lateral, self._loads, self._hypotheses
         corrected = self.slip[:, np.newaxis] + self._by_length[:, np.newaxis] * found.x[RELAXATION]
-        corrected += ((1.0 - kinematic) / speed)[:, np.newaxis] * found.x[SPEED]
+        corrected += self._by_ground_speed[:, np.newaxis] * found.x[SPEED]
         if not self._blocks.add(dt, torque, corrected, self._by_length, lateral.slip, loads.loads, loads.delayed, used):
             return
         mu = found.x[MU]
-        block, forces = self._blocks.end(wheel_speed, kinematic, speed, lateral.slip, lateral.stddev, mu)
+        block, forces = self._blocks.end(
+            wheel_speed, kinematic, self._by_ground_speed, self._slip_noise, lateral.slip, lateral.stddev, mu
+        )
         self._forces = np.where(used, forces, 0.0)
         # a correction by wheel_slip leaves of its error what is left of the variance, and adds an error of its own
         before, variance = self._speed_variance, np.maximum(stddev, LEAST_SPEED) ** 2
@@ -245,11 +254,11 @@ class SlipPosition:
         self._covariance = mean(found.p[SPEED, RELAXATION] + speed * length) - self._speed_error * self._length_error
         self._lateral_variance = mean(lateral.stddev**2 + lateral.slip**2) - self._lateral_slip**2
 
-    def _probability(self, kinematic: Array, speed: Array) -> Array:
+    def _probability(self, kinematic: Array) -> Array:
         along = self.slip[:, np.newaxis]
         sigma = np.maximum(np.hypot(along, self._lateral_slip), 1e-5)
-        by_speed = ((1.0 - kinematic) / speed)[:, np.newaxis] * along / sigma
-        noise = (self._radius * WHEEL_SPEED_STDDEV / speed)[:, np.newaxis] ** 2
+        by_speed = self._by_ground_speed[:, np.newaxis] * along / sigma
+        noise = self._slip_noise[:, np.newaxis] ** 2
         by_length = self._by_length[:, np.newaxis] * along / sigma
         variance = by_speed**2 * self._speed_error_variance + by_length**2 * self._length_variance
         variance += 2.0 * by_speed * by_length * self._covariance
