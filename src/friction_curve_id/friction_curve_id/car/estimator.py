@@ -427,8 +427,9 @@ class CarEstimator:
         wheels = len(self._index)
         mean = np.zeros(wheels)
         beyond = [0.0] * wheels
-        factor, floor = doubt(self._passing.seen, len(self._fits) == 1)
-        if not self._passing.seen:  # a formula may be as wrong as the two of them differ
+        seen = self._passing.in_window
+        factor, floor = doubt(seen, len(self._fits) == 1)
+        if not seen:  # a formula may be as wrong as the two of them differ
             log_peaks = [float(fit.unknowns[Unknown.LOG_LAMBDA_MAX]) for fit in self._fits]
             floor = hypot(floor, max(log_peaks) - min(log_peaks))
         changed = float(self._samples.speed_change[-1]) + self._gained
