@@ -4,7 +4,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from benchmarks.real_car.driving import LASTING
 from benchmarks.runner import Row, at_most, not_judged, run_lengths
 from benchmarks.slope_position.stops import VEHICLE, Told, graph_of, sensor_messages, take
 from corner_sim.car.car import STEP
@@ -14,6 +13,8 @@ from corner_sim.car.measured_car import MeasuredCar
 from corner_sim.car.random_car import random_car
 from vehicle_models.vehicle_file import load_vehicle
 
+LASTING: Final = 0.05
+"""Time for which a sign -1 is a claim [s]."""
 DRIVE: Final = 180.0
 """Length of a drive [s]."""
 START: Final = 12.0
