@@ -8,7 +8,7 @@ from benchmarks.runner import Row
 
 RANDOM = "random"
 """Name of these cars."""
-FAMILIES = ("burckhardt", "pacejka")
+FAMILIES = ("burckhardt", "pacejka", "steep")
 """Of their tyres."""
 _LONGEST_LOCK = 0.5
 """[s] at most."""

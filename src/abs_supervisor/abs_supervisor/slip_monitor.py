@@ -23,8 +23,8 @@ LEAST_SLIP: Final = 0.03
 """[-]"""
 SLIP_WITHOUT_CURVE: Final = 0.2
 """[-]"""
-DEEP: Final = 2.0
-"""[-] of the slip of a release: far beyond the peak."""
+DEEP: Final = 1.5
+"""[-] of the threshold: far beyond the peak."""
 SIGMAS: Final = 3.0
 """Standard deviations of an error that a proof leaves room for."""
 PROOF_TIME: Final = 0.01
@@ -107,7 +107,7 @@ class SlipMonitor:
         self.slips = False
         """Whether the slip as stated is above the threshold."""
         self.deep = False
-        """Whether the slip is far beyond the peak, or was before it became unknown."""
+        """Whether the slip as stated is far beyond the peak, or was before it became unknown."""
         self.dives = False
         """Whether the wheel is on its way to a lock, or has been and is not seen to be back."""
         self.falls = False
@@ -167,7 +167,7 @@ class SlipMonitor:
         self.proven = self._proof.update(stamp, shows and witnessed) or self._dived or goes_on
         self.possible = not known or slip + stddev > min(self.threshold, HOLD_SLIP)
         self.slips = known and slip > self.threshold
-        self.deep = self._dived or (known and slip > DEEP * self.release_slip)
+        self.deep = self._dived or (known and slip > DEEP * self.threshold)
         self.dives = self._dived or (known and slip > 0.5 * self.threshold and self.deceleration > DIVES)
 
     def _move(self, rim: float, torque: float, dt: float, deceleration: float, hardest: float) -> bool:

@@ -1,7 +1,7 @@
 """Judges the accelerometer of a car by its wheels: frozen, late, turned or stuck."""
 
 from collections.abc import Sequence
-from math import inf, isfinite, isinf, nan
+from math import exp, inf, isfinite, isinf, nan
 from statistics import median
 from typing import Final
 
@@ -22,6 +22,8 @@ _SLIP: Final = 0.02
 """See `_FORCELESS` [-]."""
 _LARGEST: Final = 0.5
 """Deviation of the slip in the hardest braking [-]: wheels may lock, and say nothing."""
+_SLIDES: Final = 3.0
+"""Time for which wheels that were braked so hard may go on sliding [s]: beyond its peak a tyre gives less."""
 _FROZEN: Final = 0.5
 """Probability that a reading which repeats itself to the last bit says nothing: simulated ones do so, too."""
 _FELT: Final = 0.8
@@ -55,12 +57,14 @@ class Accelerometer:
         self._is_frozen = False
         self._last: int | None = None
         self._reference, self._has_wheels = inf, False  # wheels that stand from the start may be locked
+        self._slip = 0.0
         self.travelled = 0.0
         """Integral of the readings [m/s]."""
 
     def usable(self, stamp: int, reading: float | None, rims: Sequence[float]) -> float | None:
         """Take a reading [m/s^2] and the rim speeds [m/s], NaN where missing; return the reading if it is of use."""
         since = NANOSECONDS if self._last is None else stamp - self._last
+        self._slip *= exp(-since / (_SLIDES * NANOSECONDS))
         self._last = stamp
         if reading is None or not isfinite(reading):
             return None
@@ -104,7 +108,7 @@ class Accelerometer:
     def _compare(self, stamp: int, reading: float, speed: float) -> None:
         """Compare with the speed of wheels without an engine [m/s], which slip where they are braked."""
         braked = max(-reading if speed >= 0.0 else reading, 0.0)
-        slip = min(_SLIP * (braked / _FORCELESS) ** 4, _LARGEST)
+        self._slip = max(self._slip, min(_SLIP * (braked / _FORCELESS) ** 4, _LARGEST))
         self.against_wheels.follow(stamp, speed)
-        variance = (slip * self._reference) ** 2 + (_FREE * speed) ** 2
+        variance = (self._slip * self._reference) ** 2 + (_FREE * speed) ** 2
         self.against_wheels.compare(stamp - self._delay, self.travelled, reading, variance, self.drift)
