@@ -23,6 +23,7 @@ STATED = (
     "mu_max",
     "mu_max_stddev",
     "probability_beyond_peak",
+    "mu_max_valid",
     "valid",
     "restarted",
 )

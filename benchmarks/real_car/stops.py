@@ -81,8 +81,10 @@ class Answers:
     mu_max: Array
     mu_max_stddev: Array
     probability_beyond_peak: Array
+    mu_max_valid: Array
+    """Whether mu_max was valid, 0 or 1."""
     valid: Array
-    """Whether it was valid, 0 or 1."""
+    """Whether both were, 0 or 1."""
     restarted: Array
 
 
@@ -90,7 +92,7 @@ def follow(method: str, run: Recording, samples: int) -> Answers:
     """Feed the first `samples` samples of a recording to an estimator by name."""
     estimator = METHODS[method](load_vehicle(VEHICLE))
     found = np.full((samples, 4, len(STATED)), np.nan)
-    found[:, :, -2:] = 0.0
+    found[:, :, -3:] = 0.0
     for k in range(samples):
         answers = estimator.update(
             float(run.time[k]), run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k])
@@ -136,9 +138,13 @@ class StopResult:
     messages: int
     """Valid messages of all wheels."""
     messages_lambda_inside: int
-    messages_mu_inside: int
+    mu_messages: int
+    """Those with a valid mu_max."""
+    mu_messages_inside: int
     first_valid: float
     """First valid message of a wheel after the first passing [s]; infinite where there was none."""
+    first_mu: float
+    """The first with a valid mu_max."""
     passed: int
     """Wheels that passed their peak."""
     early: int
@@ -171,13 +177,12 @@ def judge(run: Recording, found: Answers, first: float) -> StopResult:
     """Compare answers with the truth; `first` is the time of the first passing [s]."""
     n = len(found.valid)
     time, beyond = run.time[:n], (run.tyre_slip > run.lambda_max)[:n]
-    valid = found.valid == 1.0
+    valid, known = found.valid == 1.0, found.mu_max_valid == 1.0
     lambda_error = found.lambda_max / run.lambda_max - 1.0
     mu_error = found.mu_max / run.mu_max[:n] - 1.0
     lambda_inside = np.abs(found.lambda_max - run.lambda_max) <= _INTERVAL * found.lambda_max_stddev
     mu_inside = np.abs(found.mu_max - run.mu_max[:n]) <= _INTERVAL * found.mu_max_stddev
     at = min(int(np.searchsorted(time, first + JUDGED)), n - 1)
-    some = valid.any(axis=1)
     passings = np.where(beyond.any(axis=0), time[beyond.argmax(axis=0)], np.inf)
     alarmed = found.probability_beyond_peak > ALARM
     alarms = np.where(alarmed.any(axis=0), time[alarmed.argmax(axis=0)], np.inf)
@@ -189,12 +194,14 @@ def judge(run: Recording, found: Answers, first: float) -> StopResult:
     return StopResult(
         lambda_error=lambda_error[at, valid[at]],
         lambda_inside=lambda_inside[at, valid[at]],
-        mu_error=mu_error[at, valid[at]],
-        mu_inside=mu_inside[at, valid[at]],
+        mu_error=mu_error[at, known[at]],
+        mu_inside=mu_inside[at, known[at]],
         messages=int(valid.sum()),
         messages_lambda_inside=int((valid & lambda_inside).sum()),
-        messages_mu_inside=int((valid & mu_inside).sum()),
-        first_valid=float(time[some.argmax()]) - first if some.any() else np.inf,
+        mu_messages=int(known.sum()),
+        mu_messages_inside=int((known & mu_inside).sum()),
+        first_valid=_first(time, valid) - first,
+        first_mu=_first(time, known) - first,
         passed=int(np.isfinite(passings).sum()),
         early=int(early.sum()),
         missed=int(missed.sum()),
@@ -202,6 +209,12 @@ def judge(run: Recording, found: Answers, first: float) -> StopResult:
         false_beyond=float(alarmed[~near].mean()),
         restarts=int(np.nansum(found.restarted)),
     )
+
+
+def _first(time: Array, said: NDArray[np.bool_]) -> float:
+    """Time at which a wheel first said something; infinite where none did."""
+    some = said.any(axis=1)
+    return float(time[some.argmax()]) if some.any() else np.inf
 
 
 def _spread(beyond: NDArray[np.bool_], samples: int) -> NDArray[np.bool_]:
@@ -231,19 +244,20 @@ def stop_rows(case: str, road: str, results: Sequence[StopResult], judge_errors:
     def add(quantity: str, judged: Row, **more: float) -> None:
         rows.append({"case": case, "road": road, "stops": len(results), "quantity": quantity} | judged | more)
 
-    messages = sum(result.messages for result in results)
-    for name, errors, inside, all_inside in (
+    for name, errors, inside, all_inside, messages in (
         (
             "lambda_max",
             [result.lambda_error for result in results],
             [result.lambda_inside for result in results],
             sum(result.messages_lambda_inside for result in results),
+            sum(result.messages for result in results),
         ),
         (
             "mu_max",
             [result.mu_error for result in results],
             [result.mu_inside for result in results],
-            sum(result.messages_mu_inside for result in results),
+            sum(result.mu_messages_inside for result in results),
+            sum(result.mu_messages for result in results),
         ),
     ):
         error = 100.0 * np.concatenate(errors)
@@ -260,6 +274,8 @@ def stop_rows(case: str, road: str, results: Sequence[StopResult], judge_errors:
             add(f"median |error| of {name} [%]", at_most(statistics["median_pct"], MEDIAN[name]))
             if name in RMSE:
                 add(f"RMSE of {name} [%]", at_most(statistics["rmse_pct"], RMSE[name]))
+    mu_first = np.array([result.first_mu for result in results])
+    add(f"mu_max valid within {JUDGED} s [%]", at_least(100.0 * _mean(mu_first <= JUDGED), VALID))
     first = np.array([result.first_valid for result in results])
     times = {"median_ms": 1e3 * float(np.median(first)), "p90_ms": 1e3 * _quantile(first, 0.9)}
     add(f"valid within {JUDGED} s [%]", at_least(100.0 * _mean(first <= JUDGED), VALID), **times)

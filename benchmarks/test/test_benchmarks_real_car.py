@@ -42,7 +42,9 @@ def exact(run: Recording, since: float = 0.1, alarm_shift: float = 0.0) -> Answe
     beyond = np.roll(run.tyre_slip > run.lambda_max, shift, axis=0).astype(np.float64)
     beyond[: max(shift, 0)] = 0.0  # the end that has come round
     valid = every * (run.time >= first_passing(run) + since - 1e-9)[:, np.newaxis]
-    return Answers(every * run.lambda_max, every * 0.01, every * run.mu_max, every * 0.01, beyond, valid, 0.0 * every)
+    return Answers(
+        every * run.lambda_max, every * 0.01, every * run.mu_max, every * 0.01, beyond, valid, valid, 0.0 * every
+    )
 
 
 def quantities(rows: list[Row]) -> dict[str, Row]:

@@ -59,6 +59,15 @@ def test_the_law_takes_a_curve_of_another_family_by_its_peak() -> None:
     assert found.curve is not None
     assert found.curve.lambda_max == pytest.approx(0.14)
     assert found.curve.mu_max == pytest.approx(0.9)
+    # Before the peak it has no mu_max: its curve goes through the present friction.
+    message.slip, message.mu, message.mu_max = 0.05, found.curve.friction(0.05), nan
+    message.validity.reason = int(Reason.PEAK_NOT_PASSED)
+    vague = curve_report(message)
+    assert vague.estimate is Estimate.VAGUE
+    assert vague.curve is not None
+    assert vague.curve.mu_max == pytest.approx(0.9)
+    message.slip = 0.0
+    assert curve_report(message).estimate is Estimate.NONE
 
 
 def test_a_curve_counts_from_50_ms_after_its_stamp_whichever_comes_first() -> None:

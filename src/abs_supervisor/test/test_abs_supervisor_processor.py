@@ -165,9 +165,7 @@ def test_a_cycle_is_commanded_counted_and_logged_with_its_causes() -> None:
     assert bench.sample(0.0, torque=0.0) == "S0"
     assert bench.command == BrakeCommand.NONE
     assert bench.sample(500.0) == "S1"
-    assert bench.command in (BrakeCommand.INCREASE, BrakeCommand.HOLD), (
-        "of a wheel that slips the pressure rises slowly"
-    )
+    assert bench.command in (BrakeCommand.INCREASE, BrakeCommand.HOLD), "the pressure rises slowly while it slips"
     assert bench.sample(-100.0) == "S21"
     assert bench.command == BrakeCommand.DECREASE
     began = bench.stamp

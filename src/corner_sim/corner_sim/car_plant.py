@@ -9,7 +9,7 @@ from corner_sim.car.car import Car
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.driving import peak_pressures
 from corner_sim.car.measured_car import MeasuredCar
-from corner_sim.car.tyres import TYRES, Burckhardt, Tyre
+from corner_sim.car.tyres import FAMILIES, Burckhardt, Tyre
 from corner_sim.driver import Throttle
 from corner_sim.plant import SAMPLE_TIME, SLIP_MIN_SPEED, PlantSample
 from corner_sim.road import Road
@@ -31,7 +31,7 @@ SAME = "same"
 class CarModelParameters:
     """Parameters of `model: car` that are not in the vehicle file: car, road and sensors."""
 
-    tyre: str = parameter("burckhardt", "family of its tyres", choices=tuple(TYRES))
+    tyre: str = parameter("burckhardt", "family of its tyres", choices=tuple(FAMILIES))
     load_variation: float = constant(0.0, "RMS of the load of each wheel over its mean, at 1 to 14 Hz")
     right_surface: str = parameter(
         SAME, "surface under the right wheels all the way; else the road's", choices=(SAME, *SURFACES)
@@ -113,7 +113,7 @@ class CarPlant:
             ValueError: there is no tyre for a surface, the car stands, its rear wheels are not the driven ones, or the
                 speeds of the drive do not fit its times.
         """
-        family = TYRES[parameters.tyre]
+        family = FAMILIES[parameters.tyre]
         right = () if parameters.right_surface == SAME else (parameters.right_surface,)
         for which, names in (("surfaces", road.names), ("car.right_surface", right)):
             if unknown := [name for name in names if name in SURFACES and name not in family]:

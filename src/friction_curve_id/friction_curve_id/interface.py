@@ -87,11 +87,18 @@ class CurveEstimate(NamedTuple):
     """Why lambda_max and mu_max may not be used, OK where they may."""
     text: str = ""
     """The same in words."""
+    mu_max_known: bool = False
+    """Whether mu_max may be used where lambda_max may not."""
 
     @property
     def valid(self) -> bool:
         """Whether lambda_max and mu_max may be used."""
         return self.reason is Reason.OK
+
+    @property
+    def mu_max_valid(self) -> bool:
+        """Whether mu_max may be used."""
+        return self.valid or self.mu_max_known
 
     @property
     def restarted(self) -> bool:

@@ -33,6 +33,16 @@ def test_friction_that_no_tyre_has_is_not_valid_and_named() -> None:
     assert "3.94" in found.validity.text
 
 
+def test_mu_max_is_a_number_only_where_it_is_valid() -> None:
+    assert isnan(message(0.1, 0.3, Reason.PEAK_NOT_PASSED).mu_max)
+    assert isnan(message(0.1, 0.3, Reason.PEAK_NOT_PASSED).mu_max_stddev)
+    assert message(0.1, 0.3).mu_max == 0.3
+    alone = CurveEstimate(40, 0.1, 0.1, 0.9, 0.03, 0.02, reason=Reason.UNCERTAIN, mu_max_known=True)
+    messages = CurveMessages("front_left", "front_left", "car", 0.15, 2.5)
+    ((_, curve), _) = messages.outputs(10**9, alone, 0.1, RestartCause.NONE)
+    assert (curve.validity.valid, curve.mu_max, curve.mu_max_stddev) == (False, 0.9, 0.02)
+
+
 def test_the_largest_valid_friction_is_a_parameter() -> None:
     answer = CurveEstimate(40, 0.1, 0.1, 1.5, 0.01, 0.01, reason=Reason.OK)
     for highest, valid in ((1.4, False), (1.6, True)):

@@ -112,11 +112,16 @@ def test_what_is_no_acceleration_is_refused() -> None:
 
 
 def test_a_valid_curve_bounds_above_and_one_that_is_not_does_nothing() -> None:
-    for valid in (True, False):
+    for valid, mu_max, reason in (
+        (True, 0.9, Reason.OK),
+        (True, 0.9, Reason.UNCERTAIN),  # of lambda_max alone
+        (False, nan, Reason.UNCERTAIN),
+        (False, 0.9, Reason.PEAK_NOT_PASSED),
+    ):
         stream: Stream = []
         for k in range(1, 400):
-            curve = FrictionCurve(header=header_at(k * STEP, "vehicle"), mu_max=0.9, mu_max_stddev=0.02)
-            curve.validity = Validity(valid=valid)
+            curve = FrictionCurve(header=header_at(k * STEP, "vehicle"), mu_max=mu_max, mu_max_stddev=0.02)
+            curve.validity = Validity(valid=reason == Reason.OK, reason=int(reason))
             stream += [imu(k, -3.0), ("vehicle/friction_curve", curve), wheels(k, 10.0)]
         message = told(made(), stream)[-1]
         assert (message.evidence == Grip.CURVE) == valid

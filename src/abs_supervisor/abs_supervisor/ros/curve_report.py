@@ -1,6 +1,6 @@
 """<wheel>/friction_curve as a report for the curve selector."""
 
-from math import isnan
+from math import isfinite, isnan
 
 from friction_msgs.msg import FrictionCurve
 
@@ -44,6 +44,8 @@ def curve_report(message: FrictionCurve) -> CurveReport:
 
 def _curve(message: FrictionCurve) -> RoadCurve:
     if isnan(message.theta_1):
-        # A method may know the peak by another family than Burckhardt's.
-        return curve_through(message.lambda_max, message.mu_max)
+        # A method may know the peak by another family than Burckhardt's, and its height not yet.
+        unit = curve_through(message.lambda_max, 1.0).friction(message.slip)
+        height = message.mu_max if isfinite(message.mu_max) or not unit > 0.0 else message.mu / unit
+        return curve_through(message.lambda_max, height)
     return RoadCurve(message.theta_1, message.theta_2, message.theta_3, message.lambda_max)

@@ -80,15 +80,8 @@ TYRES: dict[str, dict[str, Tyre]] = {
         "cobblestone": Pacejka(4.07, 1.7, 1.0, 0.5),
         "snow": Pacejka(5.0, 2.0, 0.3, 1.0),
     },
-    # lose two thirds of their friction when they lock, on cobblestone a third
-    "steep": {
-        "dry": Pacejka(12.0, 1.9, 1.0, 0.0),
-        "wet": Pacejka(14.0, 1.88, 0.7, 0.0),
-        "cobblestone": Pacejka(2.5, 2.0, 1.0, 0.0),
-        "snow": Pacejka(18.0, 1.87, 0.25, 0.0),
-    },
 }
-"""Tyres by family and road: published ones, and the steepest with which a car is tried."""
+"""Published tyres by family and road."""
 
 
 _FINEST = 1e-5
@@ -159,3 +152,14 @@ BRUSH_TYRES: dict[str, Tyre] = {
     "snow": Brush(15.0, 0.33, 0.2, 0.15),
 }
 """Chosen for peaks between those of the published tyres, by road."""
+
+
+STEEP_TYRES: dict[str, Tyre] = {
+    "dry": Pacejka(12.0, 1.9, 1.0, 0.0),
+    "wet": Pacejka(14.0, 1.88, 0.7, 0.0),
+    "cobblestone": Pacejka(2.5, 2.0, 1.0, 0.0),
+    "snow": Pacejka(18.0, 1.87, 0.25, 0.0),
+}
+"""Chosen to lose two thirds of their friction when they lock, on cobblestone a third."""
+FAMILIES: dict[str, dict[str, Tyre]] = {**TYRES, "steep": STEEP_TYRES}
+"""Families with which a car may be driven."""

@@ -388,6 +388,10 @@ class CarEstimator:
             return [CurveEstimate(count, nan, restart_cause=cause, text=text)] * len(self._index)
         slips, beyond = self._slips(time, speed, peak)
         reason, text = self._reason(time, peak)
+        passed = reason is Reason.OK
+        if passed and (stddev := hypot(peak.log_lambda_stddev, self._unresolved)) > _LARGEST_STDDEV:
+            reason = Reason.UNCERTAIN
+            text = f"waiting for slips around the peak: lambda_max has a deviation of {stddev:.0%}"
         self._astray.was_valid = self._astray.was_valid or reason is Reason.OK
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
@@ -400,6 +404,7 @@ class CarEstimator:
         if len(self._fits) > 1:  # with one formula given, the tyres are given to be of it
             of_lambda, of_mu = LAMBDA_MAX, mu_max_deviations(self._fits[best].moved)
         log_mu_stddev = hypot(peak.log_mu_stddev, self._misfit, UNRESOLVED_HEIGHT * self._unresolved)
+        mu_stddevs = [reaching_up(hypot(log_mu_stddev, float(each))) for each in of_mu]
         theta = UNKNOWN_THETA
         if self._families[best] is Family.BURCKHARDT:
             theta = burckhardt_theta(peak, shape[0])
@@ -410,7 +415,7 @@ class CarEstimator:
                 lambda_max,
                 mu_max,
                 lambda_max * hypot(peak.log_lambda_stddev, self._unresolved, of_lambda),
-                mu_max * reaching_up(hypot(log_mu_stddev, float(of_mu[each]))),
+                mu_max * mu_stddevs[each],
                 theta,
                 mu=float(mu[each]),
                 slope=float(slope[each]),
@@ -418,6 +423,7 @@ class CarEstimator:
                 restart_cause=cause,
                 reason=reason,
                 text=text,
+                mu_max_known=passed and mu_stddevs[each] < _LARGEST_STDDEV,
             )
             for each in range(len(self._index))
         ]
@@ -441,6 +447,7 @@ class CarEstimator:
         return mean, beyond
 
     def _reason(self, time: float, peak: Peak) -> tuple[Reason, str]:
+        """Return why neither part of the peak may be used, OK where mu_max may."""
         since = time - self._began_at
         if since < _EARLIEST_VALID and self._earliest_valid == _EARLIEST_VALID:
             return Reason.NOT_READY, f"waiting for {_EARLIEST_VALID} s of braking"
@@ -462,9 +469,6 @@ class CarEstimator:
                 Reason.UNCERTAIN,
                 "the wheels follow no common curve: run vehicle_doctor",
             )
-        stddev = hypot(peak.log_lambda_stddev, self._unresolved)
-        if stddev > _LARGEST_STDDEV:
-            return Reason.UNCERTAIN, f"waiting for slips around the peak: lambda_max has a deviation of {stddev:.0%}"
         return Reason.OK, ""
 
 

@@ -98,13 +98,16 @@ class CurveMessages:
 
 
 def _of_a_tyre(answer: CurveEstimate, highest_mu: float) -> CurveEstimate:
-    """Return the answer without a peak that no tyre has, whatever the method: it has no part in any decision."""
+    """Return the answer without a peak that no tyre has, and without a mu_max that is not valid."""
     if answer.lambda_max >= 1.0 or answer.lambda_max <= 0.0:
         none = answer._replace(lambda_max=nan, mu_max=nan, lambda_max_stddev=nan, mu_max_stddev=nan)
         said = answer.text or f"the fitted peak is at a slip of {answer.lambda_max:.3g}, not in (0, 1)"
         return none._replace(reason=Reason.NO_PEAK if answer.valid else answer.reason, text=said)
     if answer.valid and answer.mu_max > highest_mu:
-        return answer._replace(reason=Reason.UNCERTAIN, text=f"no tyre has a mu_max of {answer.mu_max:.2f}")
+        said = f"no tyre has a mu_max of {answer.mu_max:.2f}"
+        return answer._replace(mu_max=nan, mu_max_stddev=nan, reason=Reason.UNCERTAIN, text=said)
+    if not (answer.mu_max_valid and answer.mu_max <= highest_mu):
+        return answer._replace(mu_max=nan, mu_max_stddev=nan)
     return answer
 
 

@@ -89,7 +89,8 @@ class GripProcessor(AlignedProcessor[Speeds]):
         if topic in self._forces:
             return self._aligner.offer(topic, stamp, _of_tyre(message))
         if brake is None:
-            values = (message.mu_max, message.mu_max_stddev, 1.0) if message.validity.valid else (0.0, 0.0, 0.0)
+            known = message.validity.valid or message.validity.reason == Reason.UNCERTAIN  # the peak was passed
+            values = (message.mu_max, message.mu_max_stddev, 1.0) if known else (0.0, 0.0, 0.0)
             return self._aligner.offer(topic, stamp, values if all(map(isfinite, values)) else (0.0, 0.0, 0.0))
         reading = brake.read(message)
         return reading if isinstance(reading, str) else self._aligner.offer(topic, reading[0], (reading[1],))
