@@ -1,4 +1,4 @@
-"""Slope signs in ABS stops of whole cars: how many samples have one, how many are right, and how soon."""
+"""Slope signs in ABS stops, in and out of the loop: how many samples have one, are right, and how soon."""
 
 import argparse
 from collections.abc import Sequence
@@ -8,6 +8,7 @@ import numpy as np
 
 from benchmarks.runner import Row, at_least, in_processes
 from benchmarks.slope_position.driving import driving_rows, make_drive
+from benchmarks.slope_position.loop import LAWS, ROADS, loop_cases, make_loop
 from benchmarks.slope_position.stops import CASES, Case, Stop, make_stop
 from friction_parameters.command_line import count
 from friction_slope.estimate import Method
@@ -20,8 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--seeds", type=count, default=20, help="stops of each case")
     parser.add_argument("--first-seed", type=int, default=5000, help="seed of the first")
-    parser.add_argument("--cases", nargs="+", choices=tuple(CASES), default=tuple(CASES), help="default: all")
+    parser.add_argument("--cases", nargs="*", choices=tuple(CASES), default=tuple(CASES), help="default: all")
     parser.add_argument("--drives", type=int, default=8, help="drives of 3 minutes in ordinary traffic")
+    parser.add_argument("--loops", type=int, default=5, help="stops of the whole graph under each law on each road")
     methods = tuple(method.value for method in Method)
     parser.add_argument("--method", choices=methods, default=methods[0])
     parser.add_argument("--processes", type=count, default=cpu_count() or 1)
@@ -35,6 +37,13 @@ def run(options: argparse.Namespace) -> list[Row]:
     rows: list[Row] = []
     for k, name in enumerate(options.cases):
         rows += case_rows(CASES[name], stops[k * len(seeds) : (k + 1) * len(seeds)])
+    first, each = options.first_seed, max(options.loops, 0)
+    pairs = [(law, road) for law in LAWS for road in ROADS]
+    loops = [(law, road, seed) for law, road in pairs for seed in range(first, first + each)]
+    closed = in_processes(make_loop, loops, "closed loop", options.processes) if loops else []
+    for k, (law, road) in enumerate(pairs if closed else ()):
+        for axle, case in enumerate(loop_cases(law, road)):
+            rows += case_rows(case, [stop[axle] for stop in closed[k * each : (k + 1) * each]])
     drives = [(options.method, seed) for seed in range(options.first_seed, options.first_seed + options.drives)]
     if drives:
         rows += driving_rows(in_processes(make_drive, drives, "drives", options.processes))

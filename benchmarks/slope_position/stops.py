@@ -108,7 +108,7 @@ CASES: Final = {case.name: case for case in _cases()}
 
 @dataclass(frozen=True)
 class Stop:
-    """What was told in a stop, arrays of shape (samples, 4)."""
+    """What was told in a stop, arrays of shape (samples, wheels)."""
 
     time: Array
     """(samples,)"""
@@ -184,15 +184,21 @@ def _follow(case: Case, parameters: CarParameters, cycling: Cycling, vehicle: Ve
         take(graph, sample, answers)
     table = np.array(truth)
     time = table[:, 0]
-    told_at = np.zeros((len(time), 4))
-    sign = np.zeros((len(time), 4))
-    for k, stamp in enumerate(stamps):
-        for i, wheel in enumerate(vehicle.wheel_names):
-            told_at[k, i], delay = answers.get((wheel, stamp), (0, 0.0))
-            at = int(np.searchsorted(time, time[k] - delay - 1e-6))
-            sign[min(at, len(time) - 1), i] = told_at[k, i]
+    told_at, sign = sign_tables(time, stamps, vehicle.wheel_names, answers)
     judged = (time > cycling.start + 0.1) & (table[:, 9] > LEAST_SPEED)
     return Stop(time, table[:, 1:5] > table[:, 5:9], judged, sign, told_at)
+
+
+def sign_tables(time: Array, stamps: Sequence[int], wheels: Sequence[str], told: Told) -> tuple[Array, Array]:
+    """Return the signs at their stamps [ns], and at the times [s] that they are of, each of shape (samples, wheels)."""
+    told_at = np.zeros((len(time), len(wheels)))
+    sign = np.zeros_like(told_at)
+    for k, stamp in enumerate(stamps):
+        for i, wheel in enumerate(wheels):
+            told_at[k, i], delay = told.get((wheel, stamp), (0, 0.0))
+            at = int(np.searchsorted(time, time[k] - delay - 1e-6))
+            sign[min(at, len(time) - 1), i] = told_at[k, i]
+    return told_at, sign
 
 
 def graph_of(vehicle: Vehicle, method: str) -> ProcessorGraph:
@@ -202,14 +208,15 @@ def graph_of(vehicle: Vehicle, method: str) -> ProcessorGraph:
     return ProcessorGraph([CarProcessor(vehicle, SHIPPED_SLIP["wheel_slip"].parameters), *estimates])
 
 
-def take(graph: ProcessorGraph, sample: Sequence[tuple[str, Any]], told: Told) -> None:
-    """Feed the messages of a sample, and note the signs that come of them."""
-    for topic, message in sample:
-        for _, answer in graph.feed(topic, message):
-            if isinstance(answer, FrictionSlope):
-                delay = answer.delay if np.isfinite(answer.delay) else 0.0
-                sign = answer.sign if answer.validity.valid else 0
-                told[answer.wheel, to_nanoseconds(answer.header.stamp)] = (sign, delay)
+def take(graph: ProcessorGraph, sample: Sequence[tuple[str, Any]], told: Told) -> list[Any]:
+    """Feed the messages of a sample, note the signs that come of them, and return all that comes."""
+    answers = [answer for topic, message in sample for _, answer in graph.feed(topic, message)]
+    for answer in answers:
+        if isinstance(answer, FrictionSlope):
+            delay = answer.delay if np.isfinite(answer.delay) else 0.0
+            sign = answer.sign if answer.validity.valid else 0
+            told[answer.wheel, to_nanoseconds(answer.header.stamp)] = (sign, delay)
+    return answers
 
 
 def sensor_messages(
