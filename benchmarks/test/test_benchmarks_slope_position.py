@@ -10,7 +10,7 @@ from benchmarks.slope_position.stops import CASES, Stop
 
 def stop(sign: float) -> Stop:
     """Two wheels that pass their peak at once, of which the same is told all the time."""
-    time = 0.005 * np.arange(200)
+    time = np.linspace(0.0, 0.995, 200)
     beyond = np.zeros((200, 2), dtype=np.bool_)
     beyond[100:150] = True
     told = np.full((200, 2), sign)

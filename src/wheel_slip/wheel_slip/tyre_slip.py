@@ -7,7 +7,7 @@ a share f of the largest force that it gave, and its slip over force is then tha
     F = D (1 - e^(-s / s_0)),    s / F = (s_0 / D) (-ln(1 - f) / f)
 
 with the doubt that the largest force was that of this road, and that the tyre is an ordinary one. With the probability
-that f is that of a tyre beyond its peak, the slip stays what it was, and may become anything. So a wheel whose brake is
+that f is that of a tyre beyond its peak, the slip may be anything up to a locked wheel's. So a wheel whose brake is
 released tells the speed as soon as it has sprung back, whatever it has done before.
 """
 
@@ -97,18 +97,13 @@ class TyreSlip:
         again = np.where((size >= self._largest) | locked, 1.0, np.minimum(further, 1.0))
         self._largest = self._largest + again * (size - self._largest)
         self._doubt = self._doubt + again * (forces.doubt - self._doubt)
-        towards, bound, past = self._on_curve(size, weight)
+        towards, bound = self._on_curve(size, weight)
         share = np.where(locked, 1.0, np.minimum(grown / bound, 1.0))
         share = np.where(forces.told | (self._largest <= _ANY_ROAD), share, 0.0)
-        # Beyond its peak a tyre may have any slip, and goes on having it: what is expected there is told only once.
-        kept = 1.0 - share * np.where(locked, 1.0, 1.0 - past)
-        return SlipChange(np.sqrt(kept), towards, np.where(share > 0.0, share * bound, grown))
+        return SlipChange(np.sqrt(1.0 - share), towards, np.where(share > 0.0, share * bound, grown))
 
-    def _on_curve(self, size: Array, weight: Array) -> tuple[Array, Array, Array]:
-        """Return slip over force [s^2/m], its variance, and the probability that a tyre is beyond its peak.
-
-        All by the share of the largest force that it gives.
-        """
+    def _on_curve(self, size: Array, weight: Array) -> tuple[Array, Array]:
+        """Return slip over force [s^2/m] and its variance by the share of the largest force that tyres give."""
         p, largest = self._noise, np.maximum(self._largest, 1e-6)
         share = size / largest
         unsure = np.minimum(np.hypot(p.share, self._doubt / largest), 1.0) * share + 1e-9
@@ -116,5 +111,4 @@ class TyreSlip:
         below = p.compliance * np.interp(np.minimum(share, _FULL), _SHARE, _RATIO)
         beyond, spread = _BEYOND / weight, _BEYOND_STDDEV / weight
         variance = (1.0 - past) * (p.compliance_unlike * below) ** 2 + past * spread**2
-        variance += past * (1.0 - past) * (beyond - below) ** 2
-        return (1.0 - past) * below + past * beyond, variance, past
+        return (1.0 - past) * below + past * beyond, variance + past * (1.0 - past) * (beyond - below) ** 2
