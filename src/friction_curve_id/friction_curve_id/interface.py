@@ -84,7 +84,7 @@ class CurveEstimate(NamedTuple):
     restart_cause: RestartCause = RestartCause.NONE
     """Why the fit restarted at this sample, NONE where it did not."""
     reason: Reason = Reason.NOT_READY
-    """Why lambda_max and mu_max may not be used, OK where they may."""
+    """Why lambda_max and mu_max may not be used together, OK where they may."""
     text: str = ""
     """The same in words."""
     mu_max_known: bool = False

@@ -1,6 +1,6 @@
 """<wheel>/friction_curve as a report for the curve selector."""
 
-from math import isfinite, isnan
+from math import isfinite, isnan, nan
 
 from friction_msgs.msg import FrictionCurve
 
@@ -45,7 +45,9 @@ def curve_report(message: FrictionCurve) -> CurveReport:
 def _curve(message: FrictionCurve) -> RoadCurve:
     if isnan(message.theta_1):
         # A method may know the peak by another family than Burckhardt's, and its height not yet.
-        unit = curve_through(message.lambda_max, 1.0).friction(message.slip)
-        height = message.mu_max if isfinite(message.mu_max) or not unit > 0.0 else message.mu / unit
-        return curve_through(message.lambda_max, height)
+        mu_max = message.mu_max
+        if not isfinite(mu_max):
+            share = curve_through(message.lambda_max, 1.0).friction(message.slip)
+            mu_max = message.mu / share if share > 0.0 else nan
+        return curve_through(message.lambda_max, mu_max)
     return RoadCurve(message.theta_1, message.theta_2, message.theta_3, message.lambda_max)

@@ -68,6 +68,7 @@ _COMES_BACK, _FAR_BEHIND = 0.6, 0.8
 _SAME_TIME = 1e-6
 """Times are equal within this [s]."""
 _LARGEST_STDDEV = 0.25
+"""Largest deviation of lambda_max that is valid, and of a mu_max that is known alone, as a share [-]."""
 _EARLIEST_VALID = 0.1
 _EARLIEST_ANEW = 0.5
 """Time of a braking, or on another road within it, before which nothing is valid [s]. There the axles come one after
@@ -389,9 +390,8 @@ class CarEstimator:
         slips, beyond = self._slips(time, speed, peak)
         reason, text = self._reason(time, peak)
         passed = reason is Reason.OK
-        if passed and (stddev := hypot(peak.log_lambda_stddev, self._unresolved)) > _LARGEST_STDDEV:
-            reason = Reason.UNCERTAIN
-            text = f"waiting for slips around the peak: lambda_max has a deviation of {stddev:.0%}"
+        if passed:
+            reason, text = self._reason_of_lambda_max(peak)
         self._astray.was_valid = self._astray.was_valid or reason is Reason.OK
         lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
         best = int(np.argmax(peak.weights))
@@ -447,7 +447,7 @@ class CarEstimator:
         return mean, beyond
 
     def _reason(self, time: float, peak: Peak) -> tuple[Reason, str]:
-        """Return why neither part of the peak may be used, OK where mu_max may."""
+        """Return why neither lambda_max nor mu_max may be used, OK where one of them may."""
         since = time - self._began_at
         if since < _EARLIEST_VALID and self._earliest_valid == _EARLIEST_VALID:
             return Reason.NOT_READY, f"waiting for {_EARLIEST_VALID} s of braking"
@@ -469,6 +469,12 @@ class CarEstimator:
                 Reason.UNCERTAIN,
                 "the wheels follow no common curve: run vehicle_doctor",
             )
+        return Reason.OK, ""
+
+    def _reason_of_lambda_max(self, peak: Peak) -> tuple[Reason, str]:
+        stddev = hypot(peak.log_lambda_stddev, self._unresolved)
+        if stddev > _LARGEST_STDDEV:
+            return Reason.UNCERTAIN, f"waiting for slips around the peak: lambda_max has a deviation of {stddev:.0%}"
         return Reason.OK, ""
 
 

@@ -104,8 +104,7 @@ def _of_a_tyre(answer: CurveEstimate, highest_mu: float) -> CurveEstimate:
         said = answer.text or f"the fitted peak is at a slip of {answer.lambda_max:.3g}, not in (0, 1)"
         return none._replace(reason=Reason.NO_PEAK if answer.valid else answer.reason, text=said)
     if answer.valid and answer.mu_max > highest_mu:
-        said = f"no tyre has a mu_max of {answer.mu_max:.2f}"
-        return answer._replace(mu_max=nan, mu_max_stddev=nan, reason=Reason.UNCERTAIN, text=said)
+        answer = answer._replace(reason=Reason.UNCERTAIN, text=f"no tyre has a mu_max of {answer.mu_max:.2f}")
     if not (answer.mu_max_valid and answer.mu_max <= highest_mu):
         return answer._replace(mu_max=nan, mu_max_stddev=nan)
     return answer
