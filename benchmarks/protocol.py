@@ -26,6 +26,8 @@ STEP = 5_000_000
 """Sample time [ns]."""
 ACCELERATION_STDDEV = 0.1
 """Noise of the accelerometer [m/s^2]: the chapter gives none, and wheel_slip is tuned for this."""
+ACCELERATION_OFFSET = 0.15
+"""Of the accelerometer in stops without a speed sensor [m/s^2]."""
 
 
 Array = NDArray[np.float64]

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from benchmarks.protocol import ACCELERATION_STDDEV, CAR, CORNER, DT, SPEED, STEP, WHEEL
+from benchmarks.protocol import ACCELERATION_OFFSET, ACCELERATION_STDDEV, CAR, CORNER, DT, SPEED, STEP, WHEEL
 from benchmarks.runner import Row
-from benchmarks.slip.stops import ACCELERATION_OFFSET, GRADE
+from benchmarks.slip.stops import GRADE
 from book.chapter_numbers import ERRORS_ON_ROADS
 from corner_sim.corner import SingleCorner
 from corner_sim.sensors import CHAPTER_NOISE

@@ -6,7 +6,7 @@ import numpy as np
 from friction_msgs.msg import BrakeCommand
 
 from abs_supervisor.axle import NO_AXLE
-from benchmarks.abs.controllers import OFFSET, ROLLING
+from benchmarks.abs.controllers import ROLLING
 from benchmarks.abs.panic_stop import (
     DEMAND_RATIO,
     END_SPEED,
@@ -19,7 +19,8 @@ from benchmarks.abs.panic_stop import (
     Perturbation,
     panic_road,
 )
-from benchmarks.protocol import ACCELERATION_STDDEV, DT, SPEED
+from benchmarks.closed_loop import loop_parameters, take_sample
+from benchmarks.protocol import ACCELERATION_OFFSET, ACCELERATION_STDDEV, DT, SPEED
 from corner_sim.car.car_parameters import CarParameters
 from corner_sim.car.driving import peak_pressures
 from corner_sim.car.tyres import TYRES
@@ -29,7 +30,7 @@ from corner_sim.plant import SAMPLE_TIME
 from corner_sim.road import Road
 from corner_sim.ros.simulation import Simulation
 from corner_sim.sensors import NO_NOISE
-from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
+from friction_bags.offline.estimators import WHEEL_ESTIMATORS, make_processors
 from friction_runtime.processor import Processor, ProcessorGraph, silent
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
@@ -98,7 +99,7 @@ class CarSetup:
             demand_level=self.demand * self.vehicle.wheels[0].brake_gain,
             demand_start=ROLLING * DT,
             acceleration_variance=ACCELERATION_STDDEV**2,
-            acceleration_bias=OFFSET,
+            acceleration_bias=ACCELERATION_OFFSET,
             vehicle_velocity=False,
             actuator=self.perturbation.actuator,
             car=CarModelParameters(
@@ -145,19 +146,13 @@ def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
     changes, fast, start = 0, 0, 0.0
     while simulation.end is None and simulation.time < ROLLING * SAMPLE_TIME + LONGEST:
         braking = simulation.index >= ROLLING
-        for topic, message in simulation.messages():
-            if topic.startswith("truth/"):
-                if topic.endswith("/slip"):
-                    slip[wheels.index(message.wheel)] = message.slip
-                elif topic.endswith("/tyre_force"):
-                    force[wheels.index(message.wheel)] = -message.fx
-                continue
-            for _, each in graph.feed(topic, message):
-                if isinstance(each, BrakeCommand):
-                    simulation.take_command(each.wheel, each)
-                    commands[wheels.index(each.wheel)] = each.command
-        if simulation.unanswered:
-            raise RuntimeError(f"no brake_command for {', '.join(simulation.unanswered)}")
+        for topic, message in take_sample(simulation, graph):
+            if topic.startswith("truth/") and topic.endswith("/slip"):
+                slip[wheels.index(message.wheel)] = message.slip
+            elif topic.startswith("truth/") and topic.endswith("/tyre_force"):
+                force[wheels.index(message.wheel)] = -message.fx
+            elif isinstance(message, BrakeCommand):
+                commands[wheels.index(message.wheel)] = message.command
         if simulation.index == ROLLING:
             start = simulation.distance
         if braking:
@@ -183,7 +178,6 @@ def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
 
 def _processors(law: str, setup: CarSetup) -> list[Processor]:
     nominal = setup.nominal
-    parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, len(nominal.wheels))
-    supervisor = replace(parameters["abs_supervisor"], real_time=False, select_low=setup.select_low)
-    parameters["abs_supervisor"] = supervisor
+    parameters = loop_parameters(WHEEL_ESTIMATORS, law, len(nominal.wheels))
+    parameters["abs_supervisor"] = replace(parameters["abs_supervisor"], select_low=setup.select_low)
     return make_processors(parameters, nominal, silent)

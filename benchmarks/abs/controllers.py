@@ -15,7 +15,7 @@ from abs_supervisor.parameters import SHIPPED as SHIPPED_SUPERVISOR
 from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.ros.processor import WheelProcessor as SupervisorProcessor
 from benchmarks.abs.panic_stop import NONE, Commands, Flags, PanicPlant, PanicStops, Perturbation, brake_to_rest
-from benchmarks.protocol import ACCELERATION_STDDEV, CAR, DT, STEP
+from benchmarks.protocol import ACCELERATION_OFFSET, ACCELERATION_STDDEV, CAR, DT, STEP
 from corner_sim.ros import messages
 from corner_sim.sensors import Measurement, SensorNoise
 from friction_curve_id.parameters import SHIPPED as SHIPPED_CURVE
@@ -271,8 +271,6 @@ class ThresholdAbs:
         return Command.INCREASE
 
 
-OFFSET = 0.15
-"""Of the accelerometer [m/s^2]."""
 ROLLING = round(3.0 / DT)
 """Samples of free rolling before the brake, in which wheel_slip learns the offset of the accelerometer."""
 
@@ -286,7 +284,7 @@ def law_stops(surface: str, seeds: range, law: str, perturbation: Perturbation) 
         law: of abs_supervisor, or THRESHOLDS.
         perturbation: differences between the car and the nominal vehicle of the graph.
     """
-    sensing = InertialSensing(speed_sensor=False, offset=OFFSET, stddev=ACCELERATION_STDDEV)
+    sensing = InertialSensing(speed_sensor=False, offset=ACCELERATION_OFFSET, stddev=ACCELERATION_STDDEV)
     braked = BrakedCorners(surface, seeds, partial(_processors, law), sensing, perturbation)
     braked.roll(ROLLING)
     return brake_to_rest(braked.plant, braked.brake)

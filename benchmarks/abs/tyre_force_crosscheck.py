@@ -10,16 +10,17 @@ from math import hypot, inf, isnan, nan
 from typing import Any
 
 import numpy as np
-from friction_msgs.msg import BrakeCommand, FrictionCurve, TyreForce
+from friction_msgs.msg import FrictionCurve, TyreForce
 from numpy.typing import NDArray
 
 from benchmarks.abs.car import SHIPPED_CAR, CarSetup
 from benchmarks.abs.panic_stop import LONGEST
+from benchmarks.closed_loop import loop_parameters, take_sample
 from benchmarks.runner import Row
 from corner_sim.car.tyres import TYRES
 from corner_sim.car_plant import CarModelParameters
 from corner_sim.ros.simulation import Simulation
-from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, closed_loop_parameters, make_processors
+from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE, make_processors
 from friction_bringup.demo_drive import plant_of_demo
 from friction_bringup.graph import PLANT, plant_calibration
 from friction_runtime.messages import to_nanoseconds
@@ -92,25 +93,19 @@ def heard(road: str, seed: int, law: str) -> tuple[Mapping[str, Heard], int]:
         seed=seed,
     )
     simulation = Simulation(plant, setup.vehicle, _START)
-    parameters = closed_loop_parameters(ESTIMATORS, law, len(setup.nominal.wheels))
-    parameters["abs_supervisor"] = replace(parameters["abs_supervisor"], real_time=False)
+    parameters = loop_parameters(ESTIMATORS, law, len(setup.nominal.wheels))
     parameters[SMART_TYRE] = replace(parameters[SMART_TYRE], calibration_file=str(plant_calibration()))
     graph = ProcessorGraph(make_processors(parameters, setup.nominal, silent))
     begin = _START + round(onset * NANOSECONDS)
     found = {wheel: Heard() for wheel in setup.nominal.wheel_names}
     while simulation.end is None and simulation.time < onset + LONGEST:
         braking = simulation.stamp >= begin
-        for topic, message in simulation.messages():
-            if topic.startswith("truth/"):
-                if braking and topic.endswith("/tyre_force"):
-                    found[message.wheel].stamps.append(simulation.stamp)
-                    found[message.wheel].friction.append(-message.fx / message.fz)
-                continue
-            for _, each in graph.feed(topic, message):
-                if isinstance(each, BrakeCommand):
-                    simulation.take_command(each.wheel, each)
-                elif braking:
-                    _note(found, simulation.stamp, begin, each)
+        for topic, message in take_sample(simulation, graph):
+            if braking and not topic.startswith("truth/"):
+                _note(found, simulation.stamp, begin, message)
+            elif braking and topic.endswith("/tyre_force"):
+                found[message.wheel].stamps.append(simulation.stamp)
+                found[message.wheel].friction.append(-message.fx / message.fz)
         simulation.advance()
     return found, begin
 

@@ -18,7 +18,7 @@ from abs_supervisor.state_machine import COMMANDS, Evidence, StateMachine
 from benchmarks.abs.controllers import shipped as shipped_supervisor
 from benchmarks.abs.panic_stop import DEMAND_RATIO
 from benchmarks.measured import BMW_M8
-from benchmarks.protocol import ACCELERATION_STDDEV, DT, SPEED, STEP
+from benchmarks.protocol import ACCELERATION_OFFSET, ACCELERATION_STDDEV, DT, SPEED, STEP
 from corner_sim.car.driving import peak_pressures
 from corner_sim.car.tyres import TYRES
 from corner_sim.car_plant import CarModelParameters, CarPlant, SensorErrors, as_it_is, in_order
@@ -47,8 +47,6 @@ CRUISE = 10.0
 """Time before the brake onset [s]."""
 END_SPEED = 3.0
 """[m/s]"""
-ACCELERATION_OFFSET = 0.15
-"""[m/s^2]"""
 GRADE = 0.02
 """Road slope [-], uphill for even seeds and downhill for odd ones."""
 _NO_RELAXATION = 1e-3

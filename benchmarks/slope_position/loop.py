@@ -1,23 +1,22 @@
 """Signs in stops of the whole graph: its supervisor brakes, so that slips are held around the peak."""
 
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from friction_msgs.msg import BrakeCommand
+from friction_msgs.msg import FrictionSlope
 
-from benchmarks.protocol import ACCELERATION_STDDEV, SPEED
-from benchmarks.slope_position.stops import LEAST_SPEED, VEHICLE, Case, Stop, Told, sign_tables, take
+from benchmarks.closed_loop import loop_parameters, take_sample
+from benchmarks.protocol import ACCELERATION_OFFSET, ACCELERATION_STDDEV, SPEED
+from benchmarks.slope_position.stops import LEAST_SPEED, VEHICLE, Case, Stop, Told, note, sign_tables
 from corner_sim.car_plant import CAR, in_order
 from corner_sim.parameters import SimParameters
 from corner_sim.ros.simulation import Simulation
-from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
+from friction_bags.offline.estimators import WHEEL_ESTIMATORS, make_processors
 from friction_runtime.processor import ProcessorGraph, silent
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle_file import load_vehicle
 
 LAWS: Final = ("curve", "slope_sign")
-ROADS: Final = ("dry", "wet", "cobblestone", "snow")
 AXLES: Final = ("front", "rear")
 DEMAND: Final = 1.5
 """[-] of the torque at the peak."""
@@ -25,8 +24,6 @@ ROLLS: Final = 3.0
 """Time before the brakes [s]."""
 LONGEST: Final = 40.0
 """Time after which a stop ends [s]."""
-BIAS: Final = 0.15
-"""Of the accelerometer [m/s^2]."""
 
 
 def loop_cases(law: str, road: str) -> tuple[Case, Case]:
@@ -44,9 +41,7 @@ def make_loop(job: tuple[str, str, int]) -> tuple[Stop, Stop]:
     law, road, seed = job
     vehicle = in_order(load_vehicle(VEHICLE))
     wheels = vehicle.wheel_names
-    parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, len(wheels))
-    parameters["abs_supervisor"] = replace(parameters["abs_supervisor"], real_time=False)
-    graph = ProcessorGraph(make_processors(parameters, vehicle, silent))
+    graph = ProcessorGraph(make_processors(loop_parameters(WHEEL_ESTIMATORS, law, len(wheels)), vehicle, silent))
     plant = SimParameters(
         model=CAR,
         initial_speed=SPEED,
@@ -56,7 +51,7 @@ def make_loop(job: tuple[str, str, int]) -> tuple[Stop, Stop]:
         demand_level=DEMAND,
         demand_start=ROLLS,
         acceleration_variance=ACCELERATION_STDDEV**2,
-        acceleration_bias=BIAS,
+        acceleration_bias=ACCELERATION_OFFSET,
         vehicle_velocity=False,
         seed=seed,
     )
@@ -70,12 +65,9 @@ def make_loop(job: tuple[str, str, int]) -> tuple[Stop, Stop]:
         stamps.append(simulation.stamp)
         beyond.append((sample.tyre_slip > sample.peak[:, 0]).tolist())
         judged.append(simulation.time > ROLLS + 0.1 and simulation.speed > LEAST_SPEED)
-        made = [(topic, message) for topic, message in simulation.messages() if not topic.startswith("truth/")]
-        for answer in take(graph, made, told):
-            if isinstance(answer, BrakeCommand):
-                simulation.take_command(answer.wheel, answer)
-        if simulation.unanswered:
-            raise RuntimeError(f"no brake_command for {', '.join(simulation.unanswered)}")
+        for topic, message in take_sample(simulation, graph):
+            if isinstance(message, FrictionSlope) and not topic.startswith("truth/"):
+                note(message, told)
         simulation.advance()
     time = np.array(stamps) / NANOSECONDS
     told_at, sign = sign_tables(time, stamps, wheels, told)

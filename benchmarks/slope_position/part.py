@@ -2,13 +2,14 @@
 
 import argparse
 from collections.abc import Sequence
+from itertools import product
 from os import cpu_count
 
 import numpy as np
 
 from benchmarks.runner import Row, at_least, in_processes
-from benchmarks.slope_position.driving import driving_rows, make_drive
-from benchmarks.slope_position.loop import LAWS, ROADS, loop_cases, make_loop
+from benchmarks.slope_position.driving import ROADS, driving_rows, make_drive
+from benchmarks.slope_position.loop import LAWS, loop_cases, make_loop
 from benchmarks.slope_position.stops import CASES, Case, Stop, make_stop
 from friction_parameters.command_line import count
 from friction_slope.estimate import Method
@@ -37,13 +38,11 @@ def run(options: argparse.Namespace) -> list[Row]:
     rows: list[Row] = []
     for k, name in enumerate(options.cases):
         rows += case_rows(CASES[name], stops[k * len(seeds) : (k + 1) * len(seeds)])
-    first, each = options.first_seed, max(options.loops, 0)
-    pairs = [(law, road) for law in LAWS for road in ROADS]
-    loops = [(law, road, seed) for law, road in pairs for seed in range(first, first + each)]
-    closed = in_processes(make_loop, loops, "closed loop", options.processes) if loops else []
-    for k, (law, road) in enumerate(pairs if closed else ()):
-        for axle, case in enumerate(loop_cases(law, road)):
-            rows += case_rows(case, [stop[axle] for stop in closed[k * each : (k + 1) * each]])
+    for law, road in product(LAWS, ROADS) if options.loops else ():
+        loops = [(law, road, options.first_seed + k) for k in range(options.loops)]
+        closed = in_processes(make_loop, loops, f"closed loop, {law}, {road}", options.processes)
+        for case, of_axle in zip(loop_cases(law, road), zip(*closed, strict=True), strict=True):
+            rows += case_rows(case, of_axle)
     drives = [(options.method, seed) for seed in range(options.first_seed, options.first_seed + options.drives)]
     if drives:
         rows += driving_rows(in_processes(make_drive, drives, "drives", options.processes))

@@ -208,15 +208,19 @@ def graph_of(vehicle: Vehicle, method: str) -> ProcessorGraph:
     return ProcessorGraph([CarProcessor(vehicle, SHIPPED_SLIP["wheel_slip"].parameters), *estimates])
 
 
-def take(graph: ProcessorGraph, sample: Sequence[tuple[str, Any]], told: Told) -> list[Any]:
-    """Feed the messages of a sample, note the signs that come of them, and return all that comes."""
-    answers = [answer for topic, message in sample for _, answer in graph.feed(topic, message)]
-    for answer in answers:
-        if isinstance(answer, FrictionSlope):
-            delay = answer.delay if np.isfinite(answer.delay) else 0.0
-            sign = answer.sign if answer.validity.valid else 0
-            told[answer.wheel, to_nanoseconds(answer.header.stamp)] = (sign, delay)
-    return answers
+def take(graph: ProcessorGraph, sample: Sequence[tuple[str, Any]], told: Told) -> None:
+    """Feed the messages of a sample, and note the signs that come of them."""
+    for topic, message in sample:
+        for _, answer in graph.feed(topic, message):
+            if isinstance(answer, FrictionSlope):
+                note(answer, told)
+
+
+def note(message: FrictionSlope, told: Told) -> None:
+    """Note a sign, 0 where it is not valid, and its delay."""
+    delay = message.delay if np.isfinite(message.delay) else 0.0
+    sign = message.sign if message.validity.valid else 0
+    told[message.wheel, to_nanoseconds(message.header.stamp)] = (sign, delay)
 
 
 def sensor_messages(
