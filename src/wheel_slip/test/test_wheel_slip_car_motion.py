@@ -1,5 +1,6 @@
 """Tests of speed, yaw rate and ground speeds of the wheels, by drives whose truth is known."""
 
+from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
@@ -116,3 +117,31 @@ def test_the_hypotheses_are_probabilities() -> None:
     motion, _ = followed(np.full(600, 20.0))
     assert motion.probabilities.sum() == pytest.approx(1.0)
     assert np.all(motion.probabilities >= 0.0)
+
+
+@pytest.mark.parametrize("depth", [0.3, 0.5, 0.8])
+def test_four_wheels_that_slide_for_long_do_not_outvote_the_accelerometer(depth: float) -> None:
+    """Of tyres that keep a third of their friction; each goes to and fro beyond its peak, none comes back."""
+    rng = np.random.default_rng(7)
+    motion, radii = CarMotion(CAR, NOISE), np.array(CAR.radii)
+    load = np.array([CAR.corner(wheel.name).vertical_load for wheel in CAR.wheels])
+    inertia = np.array([wheel.inertia for wheel in CAR.wheels])
+    behind = deque([[0.0] * 4] * 4, maxlen=4)
+    speed, rims, off = 25.0, np.full(4, 25.0), []
+    for k in range(1400):
+        time = k * DT
+        used, slides = float(np.clip(2.0 * (time - 1.0), 0.0, 1.0)), float(np.clip(2.5 * (time - 1.5), 0.0, 1.0))
+        to_and_fro = 0.15 * np.sin(2.0 * np.pi * (3.0 * time + 0.3 * np.arange(4)))
+        slip = 0.03 * used / (1.3 - used) + slides * (depth - 0.1 + to_and_fro)
+        force = 0.2 * (used - 0.7 * slides) * load
+        acceleration = -float(force.sum()) / CAR.mass
+        speed += acceleration * DT
+        before, rims = rims, (1.0 - slip) * speed
+        torque = force * radii - inertia * (rims - before) / DT / radii
+        reading = acceleration + 0.15 + 0.1 * rng.normal()
+        measured = rims + NOISE * radii * rng.normal(size=4)
+        motion.update((k + 1) * STEP, measured.tolist(), reading, torques=behind[0])
+        behind.append(torque.tolist())
+        if motion.started:
+            off.append((motion.speed - speed) / motion.variance**0.5)
+    assert np.abs(off).max() < 3.0

@@ -8,6 +8,7 @@
 | u | yaw rate, counter-clockwise positive | rad/s | u' = -u / T_u + n_u |
 | t | age of the accelerometer beyond that of the vehicle file | s | constant, not estimated |
 | f | error of the force of the engine over the mass: bias of the accelerometer, drag | m/s^2 | constant |
+| s | slip of tyres beyond their peak, all alike | - | is forgotten in `slide_time` |
 | c_i | slip of tyre i over its force, a share of its load times g | s^2/m | constant while the force is |
 | e_i | error of the radius of wheel i, as a share | - | constant: with `radius_walk` |
 
@@ -38,7 +39,7 @@ from wheel_slip.radius_odds import RadiusOdds
 from wheel_slip.step import Means, Step
 from wheel_slip.tyre_forces import LOCKED, SLOWEST, TELLING, TyreForces
 from wheel_slip.tyre_slip import TyreSlip
-from wheel_slip.wheel_equation import SLOWEST_TURN, B, C, F, K, T, U, V, WheelEquation
+from wheel_slip.wheel_equation import SLOWEST_TURN, B, C, F, K, S, T, U, V, WheelEquation
 
 Array = NDArray[np.float64]
 
@@ -93,6 +94,7 @@ class CarMotion:
         prior = np.zeros((C + 2 * self._count,) * 2)
         prior[B, B], prior[K, K], prior[U, U] = self._offset**2, gain**2, (noise.lateral / SLOWEST_TURN) ** 2
         prior[T, T], prior[F, F] = age**2, noise.pull**2
+        prior[S, S] = noise.slide_alike * noise.slide_stddev**2
         alike = noise.compliance_alike
         prior[C : self._e, C : self._e] = noise.compliance_stddev**2 * (alike + (1.0 - alike) * np.eye(self._count))
         self._radius_odds = RadiusOdds(float(apart.max()), 0.5 * apart, noise)
@@ -100,6 +102,7 @@ class CarMotion:
         self._prior = prior
         self._expected = np.zeros(C + 2 * self._count)
         self._expected[C : self._e] = noise.compliance
+        self._expected[S] = noise.slide
         self._of_speed, self._of_yaw = np.zeros((2, 2, C + 2 * self._count))
         self._of_speed[:, V], self._of_yaw[:, U] = 1.0, 1.0
         self.reset()
@@ -302,6 +305,11 @@ class CarMotion:
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
         covariance[SLOPE_CHANGED, B, B] += dt * speed / p.slope_length * unknown
         covariance[:, U, U] += (p.lateral / max(speed, SLOWEST_TURN)) ** 2 * (1.0 - turn**2)
+        stays = exp(-dt / p.slide_time)
+        x[:, S] += (1.0 - stays) * (p.slide - x[:, S])
+        covariance[:, S] *= stays
+        covariance[:, :, S] *= stays
+        covariance[:, S, S] += p.slide_alike * p.slide_stddev**2 * (1.0 - stays**2)
 
     def _correct_by_wheels(self, stamp: int, dt: float, torques: Sequence[float]) -> None:
         """Take the means of the wheels over the step before the last."""
@@ -333,7 +341,7 @@ class CarMotion:
         once = self._rim_variance / then.samples * (1.0 + 2.0 * (behind / span) ** 2)
         compliance = np.maximum(self.mean[C : self._e], p.compliance)
         change = self._tyres.change(dt, mean_speed, forces, compliance, np.copysign(rest, unlike), locked)
-        bank.relax(slice(C, self._e), *change)
+        bank.relax(slice(C, self._e), *change, S)
         # An error by the engine's force lasts, and is told once, until the slip that it acts on is another one.
         self._untold += dt / p.engine_time - self._untold * min(dt / p.correlation, 1.0)
         self._untold = np.where(change.kept == 0.0, 1.0, np.minimum(self._untold, 1.0))

@@ -47,11 +47,12 @@ class FilterBank:
         mixed = share.T @ self.p.reshape(2, -1)
         self.p = mixed.reshape(self.p.shape) + (share[0] * share[1])[:, None, None] * (apart[:, None] * apart)
 
-    def relax(self, states: slice, kept: Array, towards: Array, variance: Array) -> None:
-        """Let states go to kept x + (1 - kept) towards, and add a variance to each; shapes (states,)."""
-        self.x[:, states] = kept * self.x[:, states] + (1.0 - kept) * towards
-        self.p[:, states] *= kept[:, None]
-        self.p[:, :, states] *= kept
+    def relax(self, states: slice, kept: Array, towards: Array, by: Array, variance: Array, common: int) -> None:
+        """Let states x go to kept x + (1 - kept)(towards + by x[common]) with a variance each; shapes (states,)."""
+        share = (1.0 - kept) * by
+        self.x[:, states] = kept * self.x[:, states] + (1.0 - kept) * towards + share * self.x[:, common, None]
+        self.p[:, states] = kept[:, None] * self.p[:, states] + share[:, None] * self.p[:, None, common]
+        self.p[:, :, states] = kept * self.p[:, :, states] + share * self.p[:, :, common, None]
         self.add(states, variance)
 
     def add(self, states: slice, variance: Array | float) -> None:

@@ -7,8 +7,10 @@ a share f of the largest force that it gave, and its slip over force is then tha
     F = D (1 - e^(-s / s_0)),    s / F = (s_0 / D) (-ln(1 - f) / f)
 
 with the doubt that the largest force was that of this road, and that the tyre is an ordinary one. With the probability
-that f is that of a tyre beyond its peak, the slip may be anything up to a locked wheel's. So a wheel whose brake is
-released tells the speed as soon as it has sprung back, whatever it has done before.
+that f is that of a tyre beyond its peak, the slip goes towards s. That is one state of all tyres: it may be anything up
+to a locked wheel's, but tyres on one road that slide under one law slide alike. Four of them are then one piece of
+evidence and not four, and what s was while the speed was known counts afterwards. So a wheel whose brake is released
+shows the speed as soon as it has sprung back, whatever it has done before, and wheels that go on sliding do not.
 """
 
 from math import erf, sqrt
@@ -34,17 +36,16 @@ _FULL: Final = 0.95
 """Share from which on a tyre may be beyond its peak."""
 _ANY_ROAD: Final = 1.0
 """Force over load times g [m/s^2] that any road gives but wet ice."""
-_BEYOND: Final = 0.3
-_BEYOND_STDDEV: Final = 0.3
-"""Slip of a tyre that is beyond its peak, and its deviation [-]: it may be locked."""
 
 
 class SlipChange(NamedTuple):
-    """Of slip over force c of all tyres in a step, shapes (wheels,): c goes to kept c + (1 - kept) towards."""
+    """Of slip over force c of all tyres in a step, shapes (wheels,): c goes to kept c + (1 - kept)(towards + by s)."""
 
     kept: Array
     towards: Array
     """[s^2/m]"""
+    by: Array
+    """Change of that with the slip s of tyres beyond their peak [s^2/m]."""
     variance: Array
     """Of what comes to it [s^4/m^2]."""
 
@@ -97,18 +98,18 @@ class TyreSlip:
         again = np.where((size >= self._largest) | locked, 1.0, np.minimum(further, 1.0))
         self._largest = self._largest + again * (size - self._largest)
         self._doubt = self._doubt + again * (forces.doubt - self._doubt)
-        towards, bound = self._on_curve(size, weight)
+        towards, by, bound = self._on_curve(size, weight)
         share = np.where(locked, 1.0, np.minimum(grown / bound, 1.0))
         share = np.where(forces.told | (self._largest <= _ANY_ROAD), share, 0.0)
-        return SlipChange(np.sqrt(1.0 - share), towards, np.where(share > 0.0, share * bound, grown))
+        return SlipChange(np.sqrt(1.0 - share), towards, by, np.where(share > 0.0, share * bound, grown))
 
-    def _on_curve(self, size: Array, weight: Array) -> tuple[Array, Array]:
-        """Return slip over force [s^2/m] and its variance by the share of the largest force that tyres give."""
+    def _on_curve(self, size: Array, weight: Array) -> tuple[Array, Array, Array]:
+        """Return slip over force, its change with s, and its variance, by the share of the largest force of each."""
         p, largest = self._noise, np.maximum(self._largest, 1e-6)
         share = size / largest
         unsure = np.minimum(np.hypot(p.share, self._doubt / largest), 1.0) * share + 1e-9
         past = np.array([0.5 + 0.5 * erf(each / sqrt(2.0)) for each in ((share - _FULL) / unsure).tolist()])
         below = p.compliance * np.interp(np.minimum(share, _FULL), _SHARE, _RATIO)
-        beyond, spread = _BEYOND / weight, _BEYOND_STDDEV / weight
+        beyond, spread = p.slide / weight, sqrt(1.0 - p.slide_alike) * p.slide_stddev / weight
         variance = (1.0 - past) * (p.compliance_unlike * below) ** 2 + past * spread**2
-        return (1.0 - past) * below + past * beyond, variance + past * (1.0 - past) * (beyond - below) ** 2
+        return (1.0 - past) * below, past / weight, variance + past * (1.0 - past) * (beyond - below) ** 2

@@ -17,7 +17,7 @@ from vehicle_models.vehicle import FRONT, Vehicle
 
 Array = NDArray[np.float64]
 
-V, B, K, U, T, F, C = range(7)
+V, B, K, U, T, F, S, C = range(8)
 """Indices of the states; those of c begin at C, those of e follow."""
 SLOWEST_TURN = 3.0
 """Speed [m/s] that divides in place of a slower one where a curve is told by it: a car can turn on the spot."""
