@@ -194,7 +194,7 @@ def drive(case: Case, vehicle: Vehicle, seed: int) -> Recording:
     What is recorded of it is what speed and slip are judged by: time, wheel_speed, brake_pressure, acceleration, speed,
     slip.
     """
-    car = _differing(case, vehicle, seed)
+    car = differing(case, vehicle, seed)
     pressures: Prescription
     if case.share is not None:
         pressures = Held(car, case.share, case.until)
@@ -231,7 +231,8 @@ def deviates(seed: int) -> dict[str, float]:
     return {name: NormalDist().inv_cdf((0.5 + (seed + 1) * share) % 1.0) for name, share in _SPREAD.items()}
 
 
-def _differing(case: Case, vehicle: Vehicle, seed: int) -> CarParameters:
+def differing(case: Case, vehicle: Vehicle, seed: int) -> CarParameters:
+    """Return a car that differs from its vehicle file by the deviations stated there."""
     accelerometer, wheel = vehicle.accelerometer, vehicle.wheels[0]
     of_car = deviates(seed)
 

@@ -1,4 +1,4 @@
-"""Vehicle speed and slip without a speed sensor: simulated stops, the measured BMW stop, drives of random cars."""
+"""Vehicle speed and slip without a speed sensor: stops, a measured stop, drives of random cars, curves, faults."""
 
 import argparse
 from collections.abc import Sequence
@@ -10,7 +10,9 @@ from rich.progress import Progress
 
 from benchmarks.measured import BMW, IAC, data_directory
 from benchmarks.runner import Row, at_most
+from benchmarks.slip.accelerometer_faults import fault_rows
 from benchmarks.slip.consistency import consistency_rows, laps_rows
+from benchmarks.slip.curves import curve_rows
 from benchmarks.slip.stops import (
     Array,
     Followed,
@@ -32,8 +34,9 @@ _CAR_OF_STOPS = "compact_car"
 INJECTED_OFFSET = 0.35
 """[m/s^2]"""
 GRADE_STEP = 0.02
-CASES = ("stops", "measured", "drives")
-"""Simulated stops, the BMW stop, drives of a car that is known only by its vehicle file."""
+CASES = ("stops", "measured", "drives", "curves", "faults")
+"""Simulated stops, the BMW stop; drives, stops in curves and faults of the accelerometer of a car that is known only by
+its vehicle file."""
 _FIRST_SEED = 30_000
 
 
@@ -65,6 +68,10 @@ def run(options: argparse.Namespace) -> list[Row]:
         rows += _laps(options.data / IAC)
     if "drives" in options.cases:
         rows += consistency_rows(_car_of_stops(options.vehicle), shipped().estimator, range(options.cars))
+    if "curves" in options.cases:
+        rows += curve_rows(_car_of_stops(options.vehicle), shipped().estimator, range(options.cars))
+    if "faults" in options.cases:
+        rows += fault_rows(_car_of_stops(options.vehicle), shipped().estimator, range(options.cars))
     return rows
 
 

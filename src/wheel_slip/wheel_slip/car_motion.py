@@ -300,7 +300,9 @@ class CarMotion:
         speed = max(abs(self._speed), SLOWEST)
         between = dt / max(self._step.samples, 1)
         noise = dt * max(between * p.acceleration**2, self._drift) + dt * between**2 * p.jerk**2 / 3.0
-        covariance[:, V, V] += noise if seen else dt * p.unknown_acceleration**2
+        # A body that drifts in a curve feels a share of the lateral acceleration along its axis.
+        across = p.sideslip * float(self.mean[U]) * self._speed
+        covariance[:, V, V] += noise + 2.0 * p.curve_time * dt * across**2 if seen else dt * p.unknown_acceleration**2
         covariance[SLOPE_KEPT, B, B] += dt * p.offset_walk**2
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
         covariance[SLOPE_CHANGED, B, B] += dt * speed / p.slope_length * unknown

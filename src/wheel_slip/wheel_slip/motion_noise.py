@@ -21,6 +21,7 @@ class MotionNoise:
     slope_known: float = constant(0.05, "deviation of a slope that is known again", unit="m/s^2")
     lateral: float = constant(2.0, "lateral acceleration of ordinary driving", unit="m/s^2")
     curve_time: float = constant(1.0, "time in which a curve comes and goes", unit="s")
+    sideslip: float = constant(0.1, "angle of the body against its way in a curve", unit="rad")
     gyroscope: float = constant(0.045, "noise and offset of a yaw rate", unit="rad/s")
     compliance: float = constant(0.006, "slip over force to expect", unit="s^2/m")
     compliance_stddev: float = constant(0.05, "its deviation", unit="s^2/m")
