@@ -19,7 +19,7 @@ options_bags ?= --minutes 1 --processes 1
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test lint demo bench report mdf parquet bags docs clean
+.PHONY: help setup build test lint demo bench report mdf parquet browser bags docs clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -56,6 +56,11 @@ mdf: build ## install asammdf (209 MB), which reads MDF logs, and test it
 parquet: build ## install pyarrow (170 MB), which reads Parquet tables, and test it
 	@$(run) python3 -m pip install --quiet pyarrow
 	@$(run) pytest src/friction_bags/test/test_friction_bags_parquet.py
+
+browser: build ## install playwright (48 MB) and test the page of a drive with the Chromium on the path (apt install chromium)
+	@command -v chromium chromium-browser google-chrome >/dev/null || { echo "no Chromium on the path: apt install chromium" >&2; exit 1; }
+	@$(run) python3 -m pip install --quiet playwright
+	@$(run) pytest src/friction_report/test/test_friction_report_browser.py
 
 bags: build ## make the recorded experiments of bags/ again, from fixed seeds
 	@$(run) python -m friction_bags library

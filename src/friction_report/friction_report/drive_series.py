@@ -110,14 +110,12 @@ def strips_of(run: RecordedRun) -> Iterator[Strip]:
     for wheel in run.wheels if signed or not slopes else ():
         if (truth := run.get(f"truth/{wheel}/friction_slope")) is not None:
             yield Strip("sign", "true", wheel, truth.time, truth["sign"], SIGNS)
-    for group, column, meanings in (("state", "state", STATES), ("law", "law", LAWS)):
+    for group, meanings in (("state", STATES), ("law", LAWS), ("intervention", INTERVENTION)):
         for wheel in run.wheels:
             if (supervisor := run.get(f"{wheel}/abs_supervisor")) is not None:
-                yield Strip("supervisor", group, wheel, supervisor.time, supervisor[column], meanings)
+                yield Strip("supervisor", group, wheel, supervisor.time, supervisor[group], meanings)
     for wheel in run.wheels:
         if (supervisor := run.get(f"{wheel}/abs_supervisor")) is not None:
-            phase = supervisor["intervention"]
-            yield Strip("supervisor", "intervention", wheel, supervisor.time, phase, INTERVENTION)
             yield Strip("supervisor", "release", wheel, supervisor.time, verdicts(supervisor), VERDICTS)
     for wheel in run.wheels:
         if (command := run.get(f"{wheel}/brake_command")) is not None:

@@ -23,10 +23,12 @@ from friction_bags.offline.run import process_bag
 from friction_bags.results.recorded_run import WHY, RecordedRun, Series, read_run
 from friction_report.__main__ import main
 from friction_report.page import PANELS, html_page, page_data, write_page
+from friction_report.signals import points_of
 from friction_runtime.messages import header_at
 
 BAGS = Path(__file__).parents[3] / "bags"
 WEB = files("friction_report").joinpath("web")
+OURS = "".join(file.read_text() for file in WEB.iterdir() if file.name.endswith(".js") and "uPlot" not in file.name)
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>"
 
 
@@ -73,8 +75,7 @@ def test_page_needs_nothing_but_itself(stop: str) -> None:
     assert not [given for _, given in elements.tags if {"src", "href", "srcset", "action"} & given.keys()]
     assert "@import" not in stop
     assert "url(" not in stop
-    ours = WEB.joinpath("drive.js").read_text()
-    assert not re.search(r"fetch\(|XMLHttpRequest|import\(|https?:", ours)
+    assert not re.search(r"fetch\(|XMLHttpRequest|import\(|https?:", OURS)
     assert "default-src 'none'" in stop
 
 
@@ -115,6 +116,39 @@ def test_lines_have_the_values_and_times_of_the_bag(stop: str) -> None:
     assert values(line) == pytest.approx(slip["slip"], abs=5.1e-5)
     times = np.cumsum(data["times"][line["t"]]) / 1e4
     assert times == pytest.approx(slip.time, abs=5.1e-5)
+
+
+def test_every_number_of_the_bag_is_a_signal(stop: str) -> None:
+    data, run = shown(stop), read_run(BAGS / "abs_stop")
+    signals = {(signal["topic"], signal["field"]): signal for signal in data["signals"]}
+    finite = {
+        (topic, field)
+        for topic, series in run.series.items()
+        for field, values in series.columns.items()
+        if field != WHY and np.any(np.isfinite(values))
+    }
+    assert signals.keys() == finite
+    rate, true = signals["front_left/slip", "slip_rate"], run.series["front_left/slip"]["slip_rate"]
+    largest = np.nanmax(np.abs(true))
+    assert values(rate) == pytest.approx(true[np.isfinite(true)], abs=1e-4 * largest)
+
+
+def test_friction_measured_over_slip_is_that_of_the_road() -> None:
+    """Of a wheel by its forces, of its axle by the deceleration; where the slip is not known there is no point."""
+    time, sampled = np.arange(0.0, 2.0, 0.05), np.arange(0.0, 2.0, 0.005)
+    slip = np.where(sampled < 1.0, 0.1, np.nan)
+    ones = np.ones(time.size)
+    force = {"fx": -3000.0 * ones, "fz": 4000.0 * ones, "valid": ones}
+    grip = {"front.mu_x": 0.7 * ones, "rear.mu_x": np.nan * ones}
+    series = {
+        "front_left/slip": Series(sampled, {"slip": slip, "valid": np.isfinite(slip) * 1.0}),
+        "front_left/tyre_force": Series(time, force),
+        "grip": Series(time, grip),
+    }
+    axle, tyre = points_of(RecordedRun(("front_left",), 0, series, sampled))
+    assert tyre.mu == pytest.approx(np.where(time < 0.999, 0.75, np.nan), nan_ok=True)
+    assert axle.mu == pytest.approx(0.7 * ones)
+    assert axle.slip == pytest.approx(np.where(time < 0.999, 0.1, np.nan), nan_ok=True)
 
 
 def test_braking_of_a_stop_is_a_row_with_its_numbers(stop: str) -> None:
@@ -194,20 +228,19 @@ def test_nothing_that_a_bag_names_becomes_part_of_the_page(tmp_path: Path) -> No
 
 
 def test_text_of_a_bag_is_set_as_text_by_our_script() -> None:
-    script = WEB.joinpath("drive.js").read_text()
-    assert "textContent" in script
-    assert not re.search(r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|eval\(|new Function", script)
+    assert "textContent" in OURS
+    assert not re.search(r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|eval\(|new Function", OURS)
 
 
 def test_colours_panels_and_places_that_data_and_script_name_exist(stop: str) -> None:
-    style, script = (WEB.joinpath(f"drive.{kind}").read_text() for kind in ("css", "js"))
+    style = WEB.joinpath("drive.css").read_text()
     tones = {meaning["tone"] for meaning in shown(stop)["meanings"]}
     assert {"good", "bad", "middle"} <= tones
     assert all(style.count(f"--{tone}:") == 2 for tone in tones), "one each for light and dark"
     places = {given["id"] for _, given in Elements(stop).tags if "id" in given}
-    assert set(re.findall(r'find\("#(\w+)', script)) <= places
-    of_strips = {panel.key for panel in PANELS if not panel.axis and panel.key != "curve"}
-    assert set(re.findall(r"(\w+): stripPanel", script)) == of_strips
+    assert set(re.findall(r'find\("#(\w+)', OURS)) <= places
+    of_strips = {panel.key for panel in PANELS if not panel.axis and panel.key not in ("curve", "own")}
+    assert set(re.findall(r"(\w+): stripPanel", OURS)) == of_strips
 
 
 def test_values_that_are_no_numbers_are_gaps_and_absurd_ones_too() -> None:
@@ -270,7 +303,7 @@ def test_what_was_never_valid_has_no_section_and_its_reason_is_listed() -> None:
         "truth/front_left/friction_slope": Series(time, {"sign": np.ones(100)}),
     }
     data = page_data(RecordedRun(("front_left",), 0, series, time), "never")
-    assert {panel["key"] for panel in data["panels"]} == {"validity"}
+    assert {panel["key"] for panel in data["panels"]} == {"validity", "own"}
     for title in ("Slip at the peak", "Friction at the peak", "Friction curve at", "Sign of the slope"):
         (text,) = (each for each in data["absent"] if each.startswith(title))
         assert "never valid: waiting for the wheel to pass the peak" in text

@@ -59,7 +59,7 @@ COLUMNS: Columns = {
     ),
     "friction_msgs/msg/SupervisorDebug": ("torque_set_point",),
     "friction_msgs/msg/Grip": (
-        *(f"{part}.{name}" for part in ("vehicle", "front", "rear") for name in ("mu_used", "mu_used_stddev")),
+        *(f"{part}.{name}" for part in ("vehicle", "front", "rear") for name in ("mu_x", "mu_used", "mu_used_stddev")),
         *("distance", "mu_proven", "mu_lower", "mu_upper", "evidence", _VALID),
     ),
     "friction_msgs/msg/VehicleFit": ("brakings", _VALID),
