@@ -15,7 +15,7 @@ from friction_msgs.msg import TyreForce, TyreSignals
 from geometry_msgs.msg import Vector3
 from numpy.typing import NDArray
 from rich.progress import Progress
-from sensor_msgs.msg import Imu
+from sensor_msgs.msg import FluidPressure, Imu
 from std_msgs.msg import Header
 
 from benchmarks.runner import Row, at_least, at_most
@@ -51,6 +51,7 @@ CASES: dict[str, tuple[float, str, float]] = {
         for stiffness in (0.8, 0.9, 1.1, 1.2)
         for which in (ONE, ALL)
     },
+    "load varying by 8 %": (1.0, ALL, 0.08),
     "load varying by 10 %": (1.0, ALL, 0.1),
 }
 """Stiffness over that of the calibration, of which tyres, RMS of the load's variation by the road."""
@@ -146,8 +147,8 @@ def judge(recording: Recording, wheel: str, stiffness: float, known: Calibration
 
 def _messages(
     recording: Recording, wheel: str, source: TyreSignalSource, turning: Array, truth: dict[str, Array], delay: int
-) -> Iterator[tuple[str, TyreSignals | Imu]]:
-    """Yield topic and message: the blocks of a wheel, each after the accelerations up to its end."""
+) -> Iterator[tuple[str, TyreSignals | Imu | FluidPressure]]:
+    """Yield topic and message: the blocks of a wheel, each after the sensors of the car up to its end."""
     rate = TRACKER.sample_rate
     sensed = 0
     late = np.zeros(delay)
@@ -157,6 +158,11 @@ def _messages(
             stamp = from_nanoseconds(_START + round(recording.time[sensed] * NANOSECONDS))
             felt = Vector3(x=float(recording.acceleration[sensed]))
             yield "imu/data", Imu(header=Header(stamp=stamp), linear_acceleration=felt)
+            for name, pressure in zip(CAR.wheel_names, recording.brake_pressure[sensed], strict=True):
+                yield (
+                    f"{name}/brake_pressure",
+                    FluidPressure(header=Header(stamp=stamp), fluid_pressure=float(pressure)),
+                )
             sensed += 1
         block = source.advance(*(np.interp(time, recording.time, each) for each in (turning, truth["Fx"], truth["Fz"])))
         radial = np.concatenate([late, block.radial_acceleration])

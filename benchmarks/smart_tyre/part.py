@@ -14,11 +14,12 @@ from rich.progress import Progress
 from scipy import linalg, signal
 
 from benchmarks.runner import Row, at_most, not_judged
-from benchmarks.smart_tyre import gains
+from benchmarks.smart_tyre import gains, stops
 from benchmarks.smart_tyre.runs import (
     LOW,
     NOISY,
     NOMINAL,
+    PLANT_BRAKINGS,
     PLANT_WHEELS,
     QUIET,
     QUIET_UNEVEN,
@@ -204,17 +205,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gains", action="store_true", help="only tyres that are not as calibrated, on a plant of its own"
     )
+    parser.add_argument("--stops", action="store_true", help="only the stops of the demo, on four roads")
 
 
 def run(args: argparse.Namespace) -> list[Row]:
     """Evaluate; return flat rows of case, axle, quantity, value, limit, passed."""
     if args.plant_calibration is not None:
-        calibration_runs(NOISY, PLANT_WHEELS).calibrate().save(args.plant_calibration)
+        calibration_runs(NOISY, PLANT_WHEELS, PLANT_BRAKINGS).calibrate().save(args.plant_calibration)
         return []
     if args.gains:
-        car = calibration_runs(NOISY, PLANT_WHEELS).calibrate()
+        car = calibration_runs(NOISY, PLANT_WHEELS, PLANT_BRAKINGS).calibrate()
         with Progress(transient=True) as progress:
             return list(gains.rows(car, range(args.seeds), progress))
+    if args.stops:
+        with Progress(transient=True) as progress:
+            return list(stops.rows(range(args.seeds), progress))
     runs = calibration_runs(NOISY)
     known, ideal = runs.calibrate(), calibration_runs(QUIET).calibrate()
     with Progress(transient=True) as progress:

@@ -1,13 +1,13 @@
 """Simulated drives of the smart tyre: phases of the dynamic drive of Figure 8.20, calibration, estimates."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from corner_sim.smart_tyre.drives import CAR, Drive, dynamic_drive, quasi_static_drives
+from corner_sim.smart_tyre.drives import CAR, HARD_BRAKING, Drive, dynamic_drive, quasi_static_drives
 from corner_sim.smart_tyre.tyre_ring import TyreRing
 from corner_sim.smart_tyre.tyre_signal import AccelerometerParameters, EncoderParameters, TyreBlock, TyreSignalSource
 from smart_tyre_forces.calibrate import calibrate
@@ -54,6 +54,10 @@ WHEEL_SEEDS = {FRONT: 1, REAR: 3}
 """One wheel of each axle, named after it, with its own teeth and mounting."""
 PLANT_WHEELS = {name: seed for seed, name in enumerate(CAR.wheel_names)}
 """The wheels of corner_sim."""
+CHAPTER_BRAKINGS = (HARD_BRAKING,) * 3
+"""Decelerations of the dynamic drives that calibrate the tyres of the chapter [m/s^2]."""
+PLANT_BRAKINGS = (HARD_BRAKING, HARD_BRAKING, 11.5, 11.5, 11.5)
+"""The same for the tyres of corner_sim, whose car brakes with up to 11.7 m/s^2."""
 _CALIBRATION_SEED = 1_000_000
 """Far from every seed of the evaluation."""
 
@@ -163,11 +167,16 @@ class CalibrationRuns:
         return calibrate(self.quasi_static, self.dynamic, self.tables, CAR, TRACKER, template=self.template)
 
 
-def calibration_runs(sensors: Sensors, wheel_seeds: Mapping[str, int] = WHEEL_SEEDS) -> CalibrationRuns:
-    """Two quasi-static and three dynamic drives of each wheel, by the names of `wheel_of`."""
+def calibration_runs(
+    sensors: Sensors, wheel_seeds: Mapping[str, int] = WHEEL_SEEDS, brakings: Sequence[float] = CHAPTER_BRAKINGS
+) -> CalibrationRuns:
+    """Two quasi-static drives of each wheel, by the names of `wheel_of`, and a dynamic one for each deceleration."""
     uneven = sensors.unevenness
     slow = quasi_static_drives(road_seed=_CALIBRATION_SEED, unevenness=uneven)
-    fast = [dynamic_drive(road_seed=_CALIBRATION_SEED + k, unevenness=uneven) for k in (2, 3, 4)]
+    fast = [
+        dynamic_drive(road_seed=_CALIBRATION_SEED + k, unevenness=uneven, braking=braking)
+        for k, braking in enumerate(brakings, start=2)
+    ]
     slow_runs, dynamic_runs, tables = [], [], {}
     learner = TemplateLearner()
     for wheel, wheel_seed in wheel_seeds.items():

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import nnls
 
 from smart_tyre_forces.calibration import Calibration, Polynomial, TyreCalibration, WheelCalibration
 from smart_tyre_forces.correction import Patch, PatchCorrection, ZeroParameters
@@ -45,6 +46,8 @@ class Points:
     """[N]"""
     front_stddev: Array
     """Standard deviation of a front from the noise of the signal [rad]."""
+    patch_time: Array
+    """Time between the fronts [s]."""
 
 
 def quasi_static_trends(
@@ -118,6 +121,7 @@ def calibrate(
         nominal_length=length_trend[0],
         beta=0.0,
         jitter_stddev=0.0,
+        load_scatter=0.0,
         length_map=identity,
         shift_map=identity,
         trend_force=trend_force,
@@ -131,14 +135,30 @@ def calibrate(
     tyre = _fit_maps(tyre, points)
     shift_left = [p.shift - tyre.shift_map.angle(p.fx) for p in points]
     length_left = [p.length - tyre.length_map.angle(p.fz) for p in points]
-    even = [left[np.abs(p.acceleration) < _STEADY] for left, p in zip(shift_left, points, strict=True)]
     residuals["shift_map_rad"] = float(np.sqrt(np.mean(np.concatenate(shift_left) ** 2)))
     residuals["length_map_rad"] = float(np.sqrt(np.mean(np.concatenate(length_left) ** 2)))
-    scatter = float(np.sqrt(np.mean([np.var(left) for left in even if len(left) > 2])))
-    front = scatter / float(np.sqrt(0.5 + 2.0 * tyre.beta**2))
-    noise = float(np.mean(np.concatenate([p.front_stddev[np.abs(p.acceleration) < _STEADY] for p in points]) ** 2))
-    tyre = replace(tyre, jitter_stddev=float(np.sqrt(max(front**2 - noise, 0.0))), residuals=residuals)
+    jitter, load_scatter = _scatter(tyre, points, shift_left)
+    tyre = replace(tyre, jitter_stddev=jitter, load_scatter=load_scatter, residuals=residuals)
     return Calibration(tyre, wheels, template)
+
+
+def _scatter(tyre: TyreCalibration, points: list[Points], left: list[Array]) -> tuple[float, float]:
+    """Return the scatter of one front [rad], and that of the shift by the load over the time squared [rad^2/s^2].
+
+    Steady rolling at a low and a higher speed separates them: the load has longer to change at the low one.
+    """
+    of_fronts = 0.5 + 2.0 * tyre.beta**2
+    squares, times = [], []
+    for p, shift in zip(points, left, strict=True):
+        rolling = np.abs(p.acceleration) < _STEADY
+        slow = p.speed < np.mean(p.speed[rolling])
+        for part in (rolling & slow, rolling & ~slow):
+            if np.count_nonzero(part) > 2:
+                squares.append((shift[part] - np.mean(shift[part])) ** 2 - of_fronts * p.front_stddev[part] ** 2)
+                times.append(p.patch_time[part])
+    time = np.concatenate(times)
+    fronts, load = nnls(np.stack([np.full(time.shape, of_fronts), time**2], axis=1), np.concatenate(squares))[0]
+    return float(np.sqrt(fronts)), float(load)
 
 
 def _fit_maps(tyre: TyreCalibration, points: list[Points]) -> TyreCalibration:
@@ -211,7 +231,8 @@ def _points(
     fx, fz = (
         (reference.fx_rear, reference.fz_rear) if run.wheel.axle == REAR else (reference.fx_front, reference.fz_front)
     )
-    return Points(speed, acceleration, shift, length, fx, fz, np.array([p.front_stddev for p in valid]))
+    front_stddev = np.array([p.front_stddev for p in valid])
+    return Points(speed, acceleration, shift, length, fx, fz, front_stddev, length / wheel_speed)
 
 
 def _second_order(speed: Array, value: Array) -> tuple[Polynomial, Array]:

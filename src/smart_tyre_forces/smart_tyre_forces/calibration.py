@@ -43,6 +43,8 @@ class TyreCalibration:
     """Cross-talk of (8.19) [-]."""
     jitter_stddev: float
     """Scatter of one front from revolution to revolution, beyond the noise of the signal [rad]."""
+    load_scatter: float
+    """Variance of the shift by a load that changes between the fronts, over the square of their time [rad^2/s^2]."""
     length_map: ForceMap
     """Fz over the corrected length, (8.14)."""
     shift_map: ForceMap
@@ -90,7 +92,7 @@ class Calibration:
                 tyre[name] = ForceMap(_numbers(entry["coefficients"]), float(entry["lowest"]), float(entry["highest"]))
             for name in ("shift_trend", "length_trend", "trend_force"):
                 tyre[name] = _second_order(tyre[name])
-            for name in ("nominal_length", "beta", "jitter_stddev"):
+            for name in ("nominal_length", "beta", "jitter_stddev", "load_scatter"):
                 tyre[name] = _numbers([tyre[name]])[0]
             wheels = {
                 name: WheelCalibration(_numbers(wheel["tooth_table"]), _second_order(wheel["steady_force"]))

@@ -1,10 +1,14 @@
-"""Reference forces of one wheel from the motion of the car: static load and mass times acceleration."""
+"""Reference forces of one wheel from the motion of the car: static load and mass times acceleration.
 
-from math import hypot
+In braking the wheels share by gain times pressure: pressures rise alike whatever the gains, and ABS changes each.
+"""
+
+from collections.abc import Mapping
+from math import hypot, nan
 
 from vehicle_models.constants import GRAVITY
 from vehicle_models.vehicle import FRONT, REAR, Vehicle, Wheel, absolute_deviation, mass_deviation, relative_deviation
-from vehicle_models.wheel_forces import wheel_forces
+from vehicle_models.wheel_forces import WheelForces, drag, wheel_forces
 
 _DRIVING_STDDEV = 0.02
 """Relative deviation of what the engine gives to one of the driven wheels."""
@@ -15,7 +19,7 @@ class Reference:
 
     def __init__(self, car: Vehicle, wheel: Wheel) -> None:
         """Take the vehicle file's values and deviations, or the defaults for those that it does not state."""
-        self._car, self._axle = car, wheel.axle
+        self._car, self._axle, self._wheel = car, wheel.axle, wheel.name
         self.static_load = car.corner(wheel.name).vertical_load
         """[N]"""
         mass = mass_deviation(car)
@@ -40,7 +44,27 @@ class Reference:
         """Whether the car has the wheels of which it is known who brakes and who drives."""
         return len(self._car.wheels) == 4 and any(wheel.driven for wheel in self._car.wheels)
 
-    def share(self, speed: float, acceleration: float) -> float:
-        """Return Fx of the wheel [N] at a speed [m/s] and an acceleration [m/s^2] of the car, forward positive."""
-        found = wheel_forces(self._car, speed, acceleration)
-        return float(found.fx_rear if self._axle == REAR else found.fx_front)
+    def share(self, speed: float, acceleration: float, pressures: Mapping[str, float]) -> float | None:
+        """Return Fx of the wheel [N], forward positive; None in braking where a pressure is not known.
+
+        Args:
+            speed: of the car [m/s].
+            acceleration: of the car [m/s^2], forward positive.
+            pressures: of the brakes by the wheel [Pa]; those that are not known are missing.
+        """
+        free = wheel_forces(self._car, speed, acceleration)
+        rear = self._axle == REAR
+        braking = self._car.mass * acceleration + float(drag(self._car, speed)) + 2.0 * self._rolling(free)
+        if braking >= 0.0:
+            return float(free.fx_rear if rear else free.fx_front)
+        forces = {w.name: w.brake_gain / w.radius * pressures.get(w.name, nan) for w in self._car.wheels}
+        total = sum(forces.values())
+        if not total > 0.0:
+            return None
+        return braking * forces[self._wheel] / total - self._car.rolling_resistance * float(
+            free.fz_rear if rear else free.fz_front
+        )
+
+    def _rolling(self, forces: WheelForces) -> float:
+        """Return the rolling resistance of one side [N]."""
+        return self._car.rolling_resistance * float(forces.fz_front + forces.fz_rear)

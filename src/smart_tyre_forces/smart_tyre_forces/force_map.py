@@ -37,10 +37,15 @@ class ForceMap:
                 f"force map: angle does not grow with force between {self.lowest:.0f} and {self.highest:.0f} N"
             )
 
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Smallest and largest force that it gives [N]."""
+        margin = _MARGIN * (self.highest - self.lowest)
+        return self.lowest - margin, self.highest + margin
+
     @cached_property
     def _table(self) -> tuple[Array, Array]:
-        margin = _MARGIN * (self.highest - self.lowest)
-        force = np.linspace(self.lowest - margin, self.highest + margin, _POINTS, dtype=np.float64)
+        force = np.linspace(*self.reach, _POINTS, dtype=np.float64)
         return force, self.angle(force)
 
     def angle(self, force: ArrayLike) -> Array:

@@ -82,7 +82,7 @@ def forces(
         return Forces(Reason.NOT_CALIBRATED)
     if patch.reason is not Reason.OK:
         return Forces(Reason.NO_PATCH)
-    known = gain or TyreGain()
+    known = gain or TyreGain(scatter=tyre.load_scatter)
     trend = polynomial(tyre.length_trend, patch.speed) - tyre.nominal_length
     fz = tyre.length_map.force((patch.length + trend) / known.length - trend)
     mapped = tyre.shift_map.force(patch.shift)

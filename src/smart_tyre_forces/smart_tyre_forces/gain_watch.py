@@ -3,7 +3,7 @@
 Temperature and wear change the stiffness of a tyre, and its angles with it. Two things are watched:
 
 - While the car rolls steadily each wheel carries its static load: the length of its patch over that of the calibration.
-- The acceleration of the car gives each wheel's share of mass times acceleration (`wheel_forces`, by brake torque
+- The acceleration of the car gives each wheel's share of mass times acceleration (by brake torques
   while braking): the force of the map is x (1 + g + e) + o + d (omega - omega_0), with x the share, g the gain, o the
   error of the zero, and d a change of the radio's delay, which grows with speed. e is the error of the share itself,
   one for driving and one for braking: it is not the tyre's, and not learned away.
@@ -32,8 +32,8 @@ _ZERO_REVOLUTIONS = 30
 """Revolutions from which the zero of the shift comes: its scatter is that much smaller."""
 _STEADY = 0.3
 """Acceleration below which a car rolls steadily [m/s^2]."""
-_DRIVING, _BRAKING, _HARDEST = 0.8, -2.0, -7.0
-"""Accelerations from which the engine, the brakes alone act, and beyond which ABS may share otherwise [m/s^2]."""
+_DRIVING, _BRAKING = 0.8, -2.0
+"""Accelerations from which the engine or the brakes alone act [m/s^2]."""
 _SHARE_STDDEV = 0.03
 """Relative standard deviation of the force of one wheel from the acceleration, between revolutions."""
 _STEADY_SHARE = 0.3
@@ -96,7 +96,7 @@ class GainWatch:
             length_stddev=float(np.sqrt(1.0 - share)) * self._length_prior,
             force=self._x[kept],
             covariance=self._p[np.ix_(kept, kept)],
-            scatter=max(self._excess, 0.0) / self._weight if self._weight else 0.0,
+            scatter=max(self._excess, 0.0) / self._weight if self._weight else self._tyre.load_scatter,
         )
 
     @property
@@ -132,7 +132,7 @@ class GainWatch:
             self._see_scatter(patch)
         else:
             self._levels = 0
-        if share is not None and (rolling or acceleration > _DRIVING or _HARDEST < acceleration < _BRAKING):
+        if share is not None and (rolling or acceleration > _DRIVING or acceleration < _BRAKING):
             self._see_force(patch, acceleration, share, steady, zero_speed, dt, rolling)
 
     def _see_length(self, patch: Patch) -> None:
@@ -154,9 +154,12 @@ class GainWatch:
             time = patch.length_raw / patch.passage.wheel_speed
             excess = step**2 * self._levels / (self._levels + 1.0) - shift_stddev(self._tyre, patch) ** 2
             kept = 1.0 - 1.0 / _SCATTER_MEMORY
+            if not self._weight:
+                self._weight = _SCATTER_PRIOR * time**4
+                self._excess = self._tyre.load_scatter * self._weight
             # Least squares of the excess over the square of the time: fast revolutions carry little information on it.
             self._excess = kept * self._excess + excess * time**2
-            self._weight = kept * (self._weight or _SCATTER_PRIOR * time**4) + time**4
+            self._weight = kept * self._weight + time**4
         self._levels = min(self._levels + 1, _LEVEL_MEMORY)
         self._level += step / self._levels
 

@@ -43,7 +43,7 @@ class TrackerParameters:
     """The sensors of a wheel, and the speeds at which they show the contact patch."""
 
     sample_rate: float = parameter(1.0e4, "rate of the tyre signals", unit="Hz", minimum=5e3, maximum=1e5)
-    minimum_speed: float = minimum_speed_parameter(5.0)
+    minimum_speed: float = minimum_speed_parameter(3.0)
     maximum_speed: float = parameter(
         35.0, "no estimate above this vehicle speed", unit="m/s", minimum=5.0, maximum=100.0
     )

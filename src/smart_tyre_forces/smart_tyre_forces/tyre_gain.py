@@ -25,7 +25,7 @@ class TyreGain:
     covariance: Array = field(default_factory=lambda: np.zeros((3, 3)))
     """Of `force`, shape (3, 3)."""
     scatter: float = 0.0
-    """Variance of the shift beyond the calibration's, over the square of the time in the patch [rad^2/s^2]."""
+    """Variance of the shift by the changing load, over the square of the time in the patch [rad^2/s^2]."""
 
     def load_scatter(self, patch: Patch) -> tuple[float, float]:
         """Return the deviations of shift and length [rad] by a load that changes between the two fronts.

@@ -31,6 +31,7 @@ TYRE = TyreCalibration(
     nominal_length=0.427,
     beta=0.08,
     jitter_stddev=2e-3,
+    load_scatter=0.0,
     length_map=LENGTH_MAP,
     shift_map=SHIFT_MAP,
     trend_force=(0.0, -0.1, 0.065),

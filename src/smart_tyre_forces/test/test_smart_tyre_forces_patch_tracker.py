@@ -73,7 +73,7 @@ def test_blocks_of_any_size_give_the_same_passages_bit_for_bit(
 
 @pytest.mark.parametrize("size", [1, 7, 100, 997])
 def test_even_blocks_give_the_same_through_standstill_and_faults(simulate: Any, table: ToothTable, size: int) -> None:
-    block = simulate(8.0, 0.0, 0.0, 9.0, seconds=4.0)
+    block = simulate(8.0, 2.9, 2.5, 0.0, 9.0, seconds=4.0)
     damaged = replace(block, encoder_voltage=block.encoder_voltage.copy())
     damaged.encoder_voltage[38_000:38_060] = 0.0
     whole = run(damaged, table)
@@ -136,19 +136,19 @@ def test_lost_packets_are_said_once_and_the_angle_is_found_again(simulate: Any, 
     assert fronts(found)[0][-5:] == pytest.approx(fronts(whole)[0][-5:], abs=1e-9)
 
 
-def test_nothing_is_said_below_5_and_above_35_metres_per_second(simulate: Any, table: ToothTable) -> None:
-    for passage in run(simulate(3.0, 8.0, seconds=8.0), table):
-        assert (passage.reason is Reason.OK) == (passage.wheel_speed * RING.radius >= 5.0)
+def test_nothing_is_said_below_3_and_above_35_metres_per_second(simulate: Any, table: ToothTable) -> None:
+    for passage in run(simulate(8.0, 2.0, seconds=8.0), table):
+        assert (passage.reason is Reason.OK) == (passage.wheel_speed * RING.radius >= 3.0)
     fast = run(simulate(36.0, seconds=3.0), table)
     assert fast and all(p.reason is Reason.SPEED_RANGE for p in fast)
 
 
 def test_radius_of_the_wheel_decides_what_is_too_slow(simulate: Any, table: ToothTable) -> None:
-    block = simulate(6.0, seconds=4.0)
+    block = simulate(8.0, 3.2, seconds=8.0)
     small = PatchTracker(replace(WHEEL, radius=0.25), table=table)
     found = small.push(0, block.encoder_voltage, block.radial_acceleration)
-    assert {p.reason for p in found} == {Reason.SPEED_RANGE}
-    assert Reason.OK in {p.reason for p in run(block, table)}
+    assert found[-1].reason is Reason.SPEED_RANGE
+    assert run(block, table)[-1].reason is Reason.OK
 
 
 def test_saturation_is_noticed(simulate: Any, table: ToothTable) -> None:

@@ -11,13 +11,14 @@ from friction_msgs.msg import TyreSignals
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Header
 
-from corner_sim.smart_tyre.tyre_signal import TyreBlock
+from corner_sim.smart_tyre.tyre_signal import AccelerometerParameters, TyreBlock
 from friction_parameters.generated import parameter_file
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import load
 from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from friction_runtime.processor import Level
 from smart_tyre_forces.calibration import Calibration, TyreCalibration, WheelCalibration
+from smart_tyre_forces.car_reference import Reference
 from smart_tyre_forces.force_map import ForceMap
 from smart_tyre_forces.parameters import SHIPPED, SmartTyreParameters
 from smart_tyre_forces.ros.processor import TyreProcessor, build
@@ -25,6 +26,7 @@ from smart_tyre_forces.tooth_table import ToothTable
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
+from vehicle_models.wheel_forces import drag, wheel_forces
 
 CAR = load_vehicle("smart_tyre_car")
 CONFIG = Path(__file__).parents[1] / "config" / "smart_tyre_forces.yaml"
@@ -58,6 +60,7 @@ def calibration_file(table: ToothTable, tmp_path: Path) -> str:
         nominal_length=0.427,
         beta=0.08,
         jitter_stddev=2e-3,
+        load_scatter=0.0,
         length_map=ForceMap((0.1, 9.6e-5, -2.1e-9), 2500.0, 4800.0),
         shift_map=ForceMap((0.0, 1.3e-5), -4000.0, 2200.0),
         trend_force=(0.0, -0.1, 0.065),
@@ -112,7 +115,7 @@ def test_wheels_that_the_calibration_lacks_give_raw_patches_and_say_so_once_they
     processors = build(
         SmartTyreParameters(calibration_file=calibration_file), CAR, lambda _severity, text: said.append(text)
     )
-    watched = [["imu/data"], [], [], []]
+    watched = [["imu/data", *(f"{wheel}/brake_pressure" for wheel in CAR.wheel_names)], [], [], []]
     assert [list(each.optional) for each in processors] == [
         [f"{wheel}/tyre_signals", *car] for wheel, car in zip(CAR.wheel_names, watched, strict=True)
     ]
@@ -205,6 +208,32 @@ def test_garbage_is_refused_by_topic_and_leaves_the_state_intact(simulate: Any, 
 
 def _fields(message: TyreSignals) -> dict[str, Any]:
     return {name: getattr(message, name) for name in message.get_fields_and_field_types()}
+
+
+@pytest.mark.parametrize(("rear", "share"), [(6e6, 0.65), (0.0, 1.0), (12e6, 0.4815)])
+def test_braked_wheels_share_by_gain_times_pressure(rear: float, share: float) -> None:
+    """By the gains alone where the pressures are alike; ABS or a slow rise make them differ."""
+    pressures = {wheel: 6e6 if wheel.startswith("front") else rear for wheel in CAR.wheel_names}
+    references = {wheel: Reference(CAR, CAR.wheel(wheel)) for wheel in CAR.wheel_names}
+    forces = {wheel: reference.share(20.0, -5.0, pressures) for wheel, reference in references.items()}
+    sum_of = wheel_forces(CAR, 20.0, -5.0)
+    assert sum(force for force in forces.values() if force) == pytest.approx(2.0 * (sum_of.fx_front + sum_of.fx_rear))
+    rolling = CAR.rolling_resistance * float(sum_of.fz_front)
+    braking = CAR.mass * 5.0 - drag(CAR, 20.0) - CAR.rolling_resistance * CAR.mass * 9.81
+    assert 2.0 * (-float(forces["front_left"] or 0.0) - rolling) / braking == pytest.approx(share, abs=0.001)
+
+
+def test_share_of_a_braked_wheel_is_not_known_without_the_pressures_of_all() -> None:
+    reference = Reference(CAR, CAR.wheel("front_left"))
+    assert reference.share(20.0, -5.0, {"front_left": 5e6}) is None
+    assert reference.share(20.0, 1.0, {}) == pytest.approx(float(wheel_forces(CAR, 20.0, 1.0).fx_front))
+
+
+def test_scatter_of_the_fronts_in_the_shipped_calibration_is_that_of_the_plant() -> None:
+    """The load that changes while the sensor crosses the patch is told apart from it."""
+    tyre = Calibration.load(CONFIG.parents[1] / "calibration" / "plant_tyres.yaml").tyre
+    assert tyre.jitter_stddev == pytest.approx(AccelerometerParameters().edge_jitter, rel=0.05)
+    assert tyre.load_scatter > 0.0
 
 
 def test_time_that_goes_back_starts_again(simulate: Any, calibration_file: str) -> None:

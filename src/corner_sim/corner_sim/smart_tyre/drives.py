@@ -17,6 +17,8 @@ from vehicle_models.wheel_forces import WheelForces, coasting_acceleration, whee
 Array = NDArray[np.float64]
 CAR = load_vehicle("smart_tyre_car")
 """Car of the experiments."""
+HARD_BRAKING = 8.0
+"""Deceleration of the dynamic drive [m/s^2]."""
 HISTORY_RATE = 1000.0
 """Sample rate of a drive [Hz]."""
 
@@ -37,16 +39,20 @@ class Drive:
     """Forces on a perfectly even road, from load transfer alone."""
 
 
-def dynamic_drive(car: Vehicle = CAR, *, road_seed: int, unevenness: float = 0.03) -> Drive:
+def dynamic_drive(
+    car: Vehicle = CAR, *, road_seed: int, unevenness: float = 0.03, braking: float = HARD_BRAKING
+) -> Drive:
     """Return the minute of Figure 8.20: 8 m/s, full acceleration to 22 m/s, cruise, hard braking, 8 m/s again.
 
     Args:
         car: the car.
         road_seed: seed of the unevenness.
         unevenness: standard deviation of Fz over the static load, 1 to 12 Hz [-].
+        braking: deceleration of the braking [m/s^2].
     """
-    corners = np.array([0.0, 14.0, 14.4, 19.0, 19.4, 42.0, 42.15, 43.75, 43.9, 60.0])
-    values = np.array([0.0, 0.0, 2.8, 2.8, 0.0, 0.0, -8.0, -8.0, 0.0, 0.0])
+    end = 42.0 + 14.0 / braking
+    corners = np.array([0.0, 14.0, 14.4, 19.0, 19.4, 42.0, 42.15, end, end + 0.15, 60.0])
+    values = np.array([0.0, 0.0, 2.8, 2.8, 0.0, 0.0, -braking, -braking, 0.0, 0.0])
     time = np.arange(0.0, 60.0, 1.0 / HISTORY_RATE, dtype=np.float64)
     acceleration = np.interp(time, corners, values)
     speed = 8.0 + np.cumsum(acceleration) / HISTORY_RATE

@@ -103,6 +103,8 @@ def _show(known: Calibration, file: Path) -> None:
     table.add_row("wheels", ", ".join(known.wheels))
     table.add_row("beta [-]", f"{known.tyre.beta:.4f}")
     table.add_row("jitter of a front [rad]", f"{known.tyre.jitter_stddev:.5f}")
+    for name, force in (("Fz", known.tyre.length_map), ("Fx", known.tyre.shift_map)):
+        table.add_row(f"{name} valid from, to [N]", "{:.0f}, {:.0f}".format(*force.reach))
     for name, value in known.tyre.residuals.items():
         table.add_row(f"residual {name}", f"{value:.5f}")
     Console().print(table)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from friction_msgs.msg import ContactPatch, TyreForce, TyreSignals
 from geometry_msgs.msg import WrenchStamped
-from sensor_msgs.msg import Imu
+from sensor_msgs.msg import FluidPressure, Imu
 from std_msgs.msg import Header
 
 from friction_runtime.aligned_processor import Primary
@@ -21,14 +21,14 @@ from smart_tyre_forces.correction import Patch, PatchCorrection
 from smart_tyre_forces.forces import Forces, forces, steady_force
 from smart_tyre_forces.front_template import FrontTemplate, TemplateFit
 from smart_tyre_forces.gain_watch import GainWatch
-from smart_tyre_forces.late_acceleration import DELAY, LateAcceleration
+from smart_tyre_forces.late_signal import DELAY, LateSignal
 from smart_tyre_forces.parameters import SmartTyreParameters
 from smart_tyre_forces.patch_tracker import Passage, PatchTracker
 from smart_tyre_forces.ros import messages
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.tyre_comparison import TyreComparison
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, LATEST_STAMP, NEW_RUN
+from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, HIGHEST_PRESSURE, LATEST_STAMP, NEW_RUN
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
@@ -72,7 +72,11 @@ class TyreProcessor:
         self._template = _template(parameters, calibration)
         self._wheel_calibration = None if calibration is None else calibration.wheels.get(wheel)
         self._tyre = None if calibration is None or self._wheel_calibration is None else calibration.tyre
-        self.sensors: Mapping[str, type] = {} if self._tyre is None else {_ACCELERATION: Imu}
+        self._brakes = {} if self._tyre is None else {f"{name}/brake_pressure": name for name in vehicle.wheel_names}
+        self._pressure_delay = round(vehicle.brake_pressure_delay * NANOSECONDS)
+        self.sensors: Mapping[str, type] = dict.fromkeys(self._brakes, FluidPressure)
+        if self._tyre is not None:
+            self.sensors = {_ACCELERATION: Imu, **self.sensors}
         self.optional = (self._topic, *self.sensors)
         self._accelerometer = vehicle.accelerometer
         self._reference = Reference(vehicle, self._wheel)
@@ -92,7 +96,8 @@ class TyreProcessor:
         refiner = TemplateFit(self._template) if self._template is not None else None
         self._tracker = PatchTracker(self._wheel, self._p.tracker, self._table, refiner)
         self._correction = PatchCorrection(self._tyre, self._wheel.radius, self._p.tracker.sample_rate, self._p.zero)
-        self._accelerations = LateAcceleration()
+        self._accelerations = LateSignal()
+        self._pressures = {wheel: LateSignal() for wheel in self._brakes.values()}
         self._watch_again()
         self._last_stamp: int | None = None
         self._patch: Patch | None = None
@@ -115,9 +120,12 @@ class TyreProcessor:
         self._watch_again()
 
     def process(self, topic: str, message: Any) -> Sequence[Output]:
-        """Take one block, or an acceleration of the car; return the outputs for the revolutions that it completes."""
+        """Take one block, or a sensor of the car; return the outputs for the revolutions that it completes."""
         if topic == _ACCELERATION:
             self._note_acceleration(message)
+            return []
+        if topic in self._brakes:
+            self._note_pressure(self._brakes[topic], message)
             return []
         self._note_first()
         stamp = to_nanoseconds(message.header.stamp)
@@ -145,6 +153,11 @@ class TyreProcessor:
         stamp = to_nanoseconds(message.header.stamp)
         if isfinite(value) and abs(value) < HIGHEST_ACCELERATION and 0 < stamp <= LATEST_STAMP:
             self._accelerations.take(stamp, value)
+
+    def _note_pressure(self, wheel: str, message: FluidPressure) -> None:
+        stamp = to_nanoseconds(message.header.stamp) - self._pressure_delay
+        if abs(message.fluid_pressure) <= HIGHEST_PRESSURE and 0 < stamp <= LATEST_STAMP:
+            self._pressures[wheel].take(stamp, message.fluid_pressure)
 
     def _note_first(self) -> None:
         """Report what is missing once there are signals: a wheel without any is not a smart tyre, which is no fault."""
@@ -220,7 +233,11 @@ class TyreProcessor:
             if acceleration is None or self._gains is None:
                 continue
             steady = steady_force(self._tyre, self._wheel_calibration, past.speed, zero_speed)
-            share = self._reference.share(past.speed, acceleration) if self._reference.has_share else None
+            known = {wheel: signal.at(when) for wheel, signal in self._pressures.items()}
+            pressures = {wheel: pressure for wheel, pressure in known.items() if pressure is not None}
+            share = None
+            if self._reference.has_share:
+                share = self._reference.share(past.speed, acceleration, pressures)
             since = min(max(when - self._learned, 0) / NANOSECONDS, _LONGEST_STEP)
             self._gains.see(past, acceleration, share, steady, zero_speed, since)
             self._learned = when
@@ -243,6 +260,9 @@ class TyreProcessor:
             "fx [N]": "nan" if self._forces is None else f"{self._forces.fx:.0f}",
             "fz [N]": "nan" if self._forces is None else f"{self._forces.fz:.0f}",
         }
+        if self._tyre is not None:
+            for name, force in (("fx", self._tyre.shift_map), ("fz", self._tyre.length_map)):
+                values[f"{name} valid [N]"] = "{:.0f} to {:.0f}".format(*force.reach)
         level, text = self._state()
         return Health(self._wheel.name, level, text, values)
 

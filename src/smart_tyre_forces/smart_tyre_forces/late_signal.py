@@ -1,4 +1,4 @@
-"""The car's acceleration at the time of a revolution that is some time past, whatever the order of arrival."""
+"""A signal of the car at the time of a revolution that is some time past, whatever the order of arrival."""
 
 from bisect import bisect_left, bisect_right
 from collections import deque
@@ -7,14 +7,14 @@ from typing import Final
 from vehicle_models.nanoseconds import NANOSECONDS
 
 DELAY: Final = 1.0
-"""Time [s] after which the accelerations of a revolution have come."""
+"""Time [s] after which the signals of a revolution have come."""
 _REACH: Final = round(0.025 * NANOSECONDS)
-"""Half the time over which the acceleration is averaged [ns]: engine and road shake the car as well."""
+"""Half the time over which a signal is averaged [ns]: engine and road shake the car as well."""
 _KEPT: Final = round(3.0 * DELAY * NANOSECONDS)
 
 
-class LateAcceleration:
-    """Accelerations of the last seconds."""
+class LateSignal:
+    """Values of the last seconds."""
 
     def __init__(self) -> None:
         """Start empty."""
@@ -22,7 +22,7 @@ class LateAcceleration:
         self._values: deque[float] = deque()
 
     def take(self, stamp: int, value: float) -> None:
-        """Take an acceleration [m/s^2] with its stamp [ns]; one that goes back in time starts again."""
+        """Take a value with its stamp [ns]; one that goes back in time starts again."""
         if self._stamps and stamp <= self._stamps[-1]:
             self._stamps.clear()
             self._values.clear()
