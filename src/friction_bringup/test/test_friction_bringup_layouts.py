@@ -13,6 +13,7 @@ from friction_msgs.msg import BrakeDemand, Grip
 from geometry_msgs.msg import TwistWithCovarianceStamped
 
 from friction_bringup.live_view import TOPICS
+from friction_state.ros.processor import FORCE_MARKERS
 
 LAYOUTS = Path(__file__).resolve().parents[1] / "layouts"
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
@@ -69,6 +70,12 @@ def test_layout_shows_every_wheel_raw_and_valid(paths: list[str]) -> None:
 
 def test_foxglove_layout_shows_what_is_used_proven_and_left() -> None:
     assert {"/grip.vehicle.mu_used", "/grip.mu_proven", "/grip.mu_lower", "/grip.mu_upper"} <= set(foxglove_paths())
+
+
+def test_foxglove_layout_shows_the_forces_as_arrows() -> None:
+    panel = json.loads((LAYOUTS / "foxglove.json").read_text())["configById"]["3D!1"]
+    assert panel["topics"] == {f"/{FORCE_MARKERS}": {"visible": True}}
+    assert panel["followTf"] == panel["layers"]["road"]["frameId"] == "base_link"
 
 
 def test_every_panel_of_the_foxglove_layout_is_placed_once() -> None:

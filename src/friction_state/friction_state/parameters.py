@@ -17,6 +17,7 @@ class FrictionStateParameters:
     hold: float = parameter(
         0.5, "age up to which the last friction curve and tyre forces count", unit="s", minimum=0.0, maximum=5.0
     )
+    publish_markers: bool = parameter(False, "publish force_markers beside friction_state")
 
 
 SHIPPED: Mapping[str, ShippedFile] = {

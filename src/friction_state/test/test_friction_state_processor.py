@@ -17,12 +17,15 @@ from friction_msgs.msg import (
     WheelState,
 )
 from sensor_msgs.msg import JointState
+from visualization_msgs.msg import Marker
 
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import load
 from friction_runtime.messages import header_at, to_nanoseconds
 from friction_runtime.processor import Level
+from friction_state.force_arrows import UNKNOWN, UNUSED, USED
 from friction_state.parameters import SHIPPED, FrictionStateParameters
+from friction_state.ros.force_markers import force_markers
 from friction_state.ros.processor import FRICTION_STATE, StateProcessor, build
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -168,3 +171,51 @@ def test_shipped_parameter_file_holds_the_defaults() -> None:
     assert load(FrictionStateParameters, CONFIG, "friction_state") == SHIPPED["friction_state"].parameters
     with pytest.raises(ParameterError, match="deadline"):
         from_mapping(FrictionStateParameters, {"deadline": -1.0})
+
+
+class TestMarkers:
+    def markers(self, wheel: WheelState) -> dict[str, Marker]:
+        others = [WheelState(wheel=name) for name in CAR.wheel_names[1:]]
+        state = FrictionState(header=header_at(STEP, "base_link"), wheels=[wheel, *others])
+        found = force_markers(state, CAR).markers
+        assert len({(marker.ns, marker.id) for marker in found}) == len(found) == 2 * len(CAR.wheels)
+        assert all(marker.action == Marker.DELETE and not marker.points for marker in found if marker.id)
+        return {marker.ns: marker for marker in found if marker.id == 0}
+
+    def wheel(self, **fields: Any) -> WheelState:
+        known = {"fx": -2000.0, "fz": 4000.0, "force_valid": True, "mu_max": 1.0, "curve_valid": True}
+        return WheelState(wheel="front_left", **{**known, **fields})
+
+    def test_arrows_stand_at_the_contact_patch_and_are_as_long_as_the_force(self) -> None:
+        found = self.markers(self.wheel())
+        ahead = (1.0 - CAR.front_load_share) * CAR.wheelbase
+        for name, tip in (("fx", (ahead - 0.5, 0.5 * CAR.track, 0.0)), ("fz", (ahead, 0.5 * CAR.track, 1.0))):
+            tail, head = found[name].points
+            assert (tail.x, tail.y, tail.z) == pytest.approx((ahead, 0.5 * CAR.track, 0.0))
+            assert (head.x, head.y, head.z) == pytest.approx(tip)
+            assert found[name].header.frame_id == "base_link"
+
+    @pytest.mark.parametrize(
+        ("fields", "colour"),
+        [
+            ({"fx": 0.0}, UNUSED),
+            ({"fx": -4400.0}, USED),
+            ({"curve_valid": False}, UNKNOWN),
+            ({"mu_max": nan}, UNKNOWN),
+            ({"mu_max": 0.5}, USED),
+        ],
+    )
+    def test_colour_is_the_share_of_the_grip(self, fields: dict[str, Any], colour: tuple[float, ...]) -> None:
+        shown = self.markers(self.wheel(**fields))["fx"].color
+        assert (shown.r, shown.g, shown.b) == pytest.approx(colour, abs=1e-6)
+
+    def test_force_that_is_not_valid_is_deleted(self) -> None:
+        assert self.markers(self.wheel(force_valid=False, fx=nan, fz=nan))["fx"].action == Marker.DELETE
+
+    def test_markers_come_twenty_times_a_second_and_only_where_asked_for(self) -> None:
+        stream = [each for k in range(1, 201) for each in (states(k), *all_answers(k))]
+        asked = made(publish_markers=True)
+        topics = [topic for name, message in stream for topic, _ in asked.process(name, message)]
+        assert topics.count("force_markers") == pytest.approx(20, abs=1)
+        quiet = made()
+        assert {topic for name, message in stream for topic, _ in quiet.process(name, message)} == {FRICTION_STATE}

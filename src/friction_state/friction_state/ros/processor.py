@@ -14,6 +14,7 @@ from friction_msgs.msg import (
     WheelState,
 )
 from sensor_msgs.msg import JointState
+from visualization_msgs.msg import MarkerArray
 
 from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
@@ -22,10 +23,14 @@ from friction_runtime.processor import Level, Output, Report, silent
 from friction_runtime.wheel_inputs import WHEEL_STATES
 from friction_state.history import History
 from friction_state.parameters import FrictionStateParameters
+from friction_state.ros.force_markers import force_markers
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 
 FRICTION_STATE: Final = "friction_state"
+FORCE_MARKERS: Final = "force_markers"
+_MARKER_PERIOD: Final = NANOSECONDS // 20
+"""Time between markers [ns]: as often as an eye can use."""
 _FORCE: Final = "tyre_force"
 _TYPES: Final[Mapping[str, type]] = {
     "slip": WheelSlip,
@@ -74,7 +79,10 @@ class StateProcessor(AlignedProcessor[None]):
         self.estimates: Mapping[str, type] = {
             f"{wheel}/{name}": kind for wheel in self._wheels for name, kind in _TYPES.items()
         }
+        self._vehicle = vehicle
         self.outputs: Mapping[str, type] = {FRICTION_STATE: FrictionState}
+        if parameters.publish_markers:
+            self.outputs = {**self.outputs, FORCE_MARKERS: MarkerArray}
         self._aligned = tuple(topic for topic in self.estimates if not topic.endswith(_FORCE))
         primary = Primary(WHEEL_STATES, "vehicle", report)
         aligned = [AlignedInput(topic) for topic in self._aligned]
@@ -87,6 +95,7 @@ class StateProcessor(AlignedProcessor[None]):
         self._stood_in: dict[str, int] = {}
         self._histories: dict[str, History[Any]] = {topic: History() for topic in self.estimates}
         self._known: dict[str, int] = {}
+        self._last_marked: int | None = None
 
     def _payload(self, message: JointState) -> None:
         stamp = to_nanoseconds(message.header.stamp)
@@ -124,7 +133,11 @@ class StateProcessor(AlignedProcessor[None]):
         self._known = dict.fromkeys(_TYPES, 0)
         message = FrictionState(header=header_at(sample.stamp, "base_link"))
         message.wheels = [self._wheel_state(wheel, sample.stamp) for wheel in self._wheels]
-        return [(FRICTION_STATE, message)]
+        outputs: list[Output] = [(FRICTION_STATE, message)]
+        if self._p.publish_markers and sample.stamp // _MARKER_PERIOD != self._last_marked:
+            self._last_marked = sample.stamp // _MARKER_PERIOD
+            outputs.append((FORCE_MARKERS, force_markers(message, self._vehicle)))
+        return outputs
 
     def _wheel_state(self, wheel: str, stamp: int) -> WheelState:
         state = WheelState(wheel=wheel)
