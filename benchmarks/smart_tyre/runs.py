@@ -56,7 +56,7 @@ PLANT_WHEELS = {name: seed for seed, name in enumerate(CAR.wheel_names)}
 """The wheels of corner_sim."""
 CHAPTER_BRAKINGS = (HARD_BRAKING,) * 3
 """Decelerations of the dynamic drives that calibrate the tyres of the chapter [m/s^2]."""
-PLANT_BRAKINGS = (HARD_BRAKING, HARD_BRAKING, 11.5, 11.5, 11.5)
+PLANT_BRAKINGS = (HARD_BRAKING,) * 3 + (11.5,) * 5
 """The same for the tyres of corner_sim, whose car brakes with up to 11.7 m/s^2."""
 _CALIBRATION_SEED = 1_000_000
 """Far from every seed of the evaluation."""

@@ -5,7 +5,7 @@ then made with several seeds of their noise. The estimator is that of the node w
 """
 
 from array import array
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -154,11 +154,11 @@ def _messages(
         )
 
 
-def rows(seeds: range, progress: Progress) -> Iterator[Row]:
-    """All roads, a row for each axle and quantity."""
+def rows(seeds: range, progress: Progress, roads: Sequence[str] = ROADS) -> Iterator[Row]:
+    """Of each road a row for each axle and quantity."""
     known = Calibration.load(plant_calibration())
-    task = progress.add_task("stops", total=len(ROADS) * len(seeds))
-    for road in ROADS:
+    task = progress.add_task("stops", total=len(roads) * len(seeds))
+    for road in roads:
         stop = stop_of_demo(road)
         judged: dict[str, list[Judged]] = {FRONT: [], REAR: []}
         for seed in seeds:
