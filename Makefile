@@ -19,7 +19,7 @@ options_bags ?= --minutes 1 --processes 1
 run := tools/run.bash
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test lint demo bench report mdf parquet browser bags docs clean
+.PHONY: help setup build test lint demo bench report mdf parquet browser fleet bags docs clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
@@ -61,6 +61,10 @@ browser: build ## install playwright (48 MB) and test the page of a drive with t
 	@command -v chromium chromium-browser google-chrome >/dev/null || { echo "no Chromium on the path: apt install chromium" >&2; exit 1; }
 	@$(run) python3 -m pip install --quiet playwright
 	@$(run) pytest src/friction_report/test/test_friction_report_browser.py
+
+fleet: build ## install what friction_fleet needs, with a local object store (400 MB), and test it
+	@$(run) python3 -m pip install --quiet -r tools/requirements-fleet.txt
+	@$(run) pytest src/friction_fleet/test
 
 bags: build ## make the recorded experiments of bags/ again, from fixed seeds
 	@$(run) python -m friction_bags library

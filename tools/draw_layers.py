@@ -13,7 +13,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 LAYERS = (
     ("friction_bringup",),
-    ("friction_report", "vehicle_doctor"),
+    ("friction_report", "vehicle_doctor", "friction_fleet"),
     ("friction_bags",),
     (
         "friction_adapter",

@@ -14,6 +14,7 @@ WITHOUT_ROSDEP_KEY = {
     **dict.fromkeys(("can", "cantools"), "python-can cantools"),
     "asammdf": "asammdf",
     "pyarrow": "pyarrow",
+    **dict.fromkeys(("dask", "distributed", "fsspec", "h3"), "'dask[distributed]' fsspec h3 pyarrow"),
 }
 """Libraries without a rosdep key, and the Python packages to install for each."""
 

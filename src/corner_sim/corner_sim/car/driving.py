@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import cos, pi, sin
+from math import cos, inf, pi, sin
 
 import numpy as np
 
@@ -70,8 +70,11 @@ class SlipCycle:
         self._fell = [False] * 4
         self._falling = [False] * 4
 
-    def pressure(self, time: float, dt: float, car: Car) -> list[float]:
-        """Pressures [Pa] of the step of dt [s] from `time` [s], by the slips of the tyres, shape (4,)."""
+    def pressure(self, time: float, dt: float, car: Car, most: float = inf) -> list[float]:
+        """Pressures [Pa] of the step of dt [s] from `time` [s], by the slips of the tyres, shape (4,).
+
+        None is above `most` [Pa], the driver's: so it is an anti-lock brake.
+        """
         c = self._cycling
         if time < c.start:
             return self._pressure
@@ -90,7 +93,7 @@ class SlipCycle:
                 rate = -self._fall[i] / c.release
             else:
                 rate = self._peak_pressure[i] / (c.reapply if self._fell[i] else c.ramp)
-            self._pressure[i] = max(self._pressure[i] + dt * rate, 0.0)
+            self._pressure[i] = min(max(self._pressure[i] + dt * rate, 0.0), most)
         return self._pressure
 
     def _change_road(self, tyres: list[Tyre]) -> None:

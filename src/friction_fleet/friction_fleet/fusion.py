@@ -1,0 +1,144 @@
+"""Friction of a cell over time by a histogram filter: fits are likelihoods, friction in use is a censored observation.
+
+Between observations the road may change, at a mean time T; then it is one of the prior's. With x the friction of the
+road for a median tyre, and s the deviation of ln x by measurement and tyre:
+
+    p(x) <- e^(-dt/T) p(x) + (1 - e^(-dt/T)) p_0(x)          time
+    p(x) <- p(x) ((1 - e) N(ln m; ln x, s) + e / R)          a fit m; R is the range of ln x
+    p(x) <- p(x) ((1 - e) Phi((ln x - ln u) / s) + e)        friction u in use: the road has at least this
+
+A road goes on into the next cell. So the prior of a cell is that of its neighbours, as far as no border lies between:
+
+    p_i(x) ~ (p_i(x) / p_0(x)) (c mean_j p_j(x) + (1 - c) p_0(x)),    c = exp(-spacing / L)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from friction_fleet.cells import SPACING, neighbours
+from friction_fleet.evidence import Evidence
+from friction_grip.road_prior import GRID, RoadPrior
+
+Array = NDArray[np.float64]
+
+CHANGE_TIME = 12.0
+"""Mean time between changes of a road by weather, traffic and winter service [h]."""
+CHANGE_DISTANCE = 300.0
+"""Mean distance between changes of the road [m], as of friction_grip."""
+BETWEEN_TYRES = 0.08
+"""Deviation of the friction of tyres on one road, relative."""
+_WRONG = 0.02
+"""Share of evidence that is wrong or of another place."""
+SLIPPERY = 0.4
+"""Friction of a road below which it is slippery: snow and ice."""
+WARNING = 0.5
+"""Probability of a slippery road from which a cell is one."""
+_LOG_GRID = np.log(GRID)
+_RANGE = float(_LOG_GRID[-1] - _LOG_GRID[0])
+
+
+@dataclass(frozen=True)
+class CellFriction:
+    """Friction of a cell at a time."""
+
+    cell: int
+    lower: float
+    median: float
+    upper: float
+    """Quantiles of 5, 50 and 95 %."""
+    slippery: float
+    """Probability that it is below SLIPPERY."""
+    age: float
+    """Time since the last evidence [s]."""
+    passes: int
+    """Lower bounds."""
+    fits: int
+    vehicles: int
+
+
+@dataclass
+class _Cell:
+    density: Array
+    stamp: float
+    passes: int = 0
+    fits: int = 0
+    vehicles: set[str] = field(default_factory=set)
+
+
+class FrictionMap:
+    """The friction of all cells; evidence comes in the order of time."""
+
+    def __init__(
+        self, prior: RoadPrior | None = None, change_time: float = CHANGE_TIME, use_bounds: bool = True
+    ) -> None:
+        """Begin without evidence.
+
+        Args:
+            prior: shares of roads; None for those of a year.
+            change_time: mean time between changes of a road [h].
+            use_bounds: whether friction in use counts, or fits alone.
+        """
+        self._prior = (RoadPrior() if prior is None else prior).density()
+        self._prior = self._prior / self._prior.sum()
+        self._change = 3600.0 * change_time
+        self._use_bounds = use_bounds
+        self._cells: dict[int, _Cell] = {}
+
+    def update(self, evidence: Evidence) -> None:
+        """Take what a car has learned."""
+        cell = self._cells.setdefault(evidence.cell, _Cell(self._prior, evidence.stamp))
+        density = self._at(cell, evidence.stamp)
+        if evidence.is_fit:
+            cell.fits += 1
+            density = density * _likelihood(evidence)
+        else:
+            cell.passes += 1
+            density = density * (_likelihood(evidence) if self._use_bounds else 1.0)
+        cell.density, cell.stamp = density / density.sum(), max(evidence.stamp, cell.stamp)
+        cell.vehicles.add(evidence.vehicle)
+
+    def update_all(self, evidence: Iterable[Evidence]) -> None:
+        """Take much of it, in the order of time."""
+        for each in evidence:
+            self.update(each)
+
+    def at(self, stamp: float) -> Mapping[int, CellFriction]:
+        """Return the friction of every cell that has evidence, at a time not before the last of it [s since 1970]."""
+        own = {number: self._at(cell, stamp) for number, cell in self._cells.items()}
+        same = float(np.exp(-SPACING / CHANGE_DISTANCE))
+        found = {}
+        for number, density in sorted(own.items()):
+            around = [own[each] for each in neighbours(number) if each in own]
+            if around:
+                density = density / self._prior * (same * np.mean(around, axis=0) + (1.0 - same) * self._prior)
+            found[number] = self._summary(number, density / density.sum(), stamp)
+        return found
+
+    def _at(self, cell: _Cell, stamp: float) -> Array:
+        same = float(np.exp(-max(stamp - cell.stamp, 0.0) / self._change))
+        return same * cell.density + (1.0 - same) * self._prior
+
+    def _summary(self, number: int, density: Array, stamp: float) -> CellFriction:
+        cumulated = np.cumsum(density)
+        # the mass of a bin is around its point: half of it is below
+        lower, median, upper = np.exp(np.interp([0.05, 0.5, 0.95], cumulated - 0.5 * density, _LOG_GRID)).tolist()
+        cell = self._cells[number]
+        slippery = float(np.interp(np.log(SLIPPERY), _LOG_GRID, cumulated - 0.5 * density))
+        age = stamp - cell.stamp
+        return CellFriction(number, lower, median, upper, slippery, age, cell.passes, cell.fits, len(cell.vehicles))
+
+
+def _likelihood(evidence: Evidence) -> Array:
+    """Return the likelihood of evidence for each friction of GRID, (90,)."""
+    stddev = float(np.hypot(evidence.stddev / evidence.mu, BETWEEN_TYRES))
+    distance = (_LOG_GRID - np.log(evidence.mu)) / stddev
+    if evidence.is_fit:
+        bell = np.exp(-0.5 * distance**2) / (stddev * np.sqrt(2.0 * np.pi))
+        return np.asarray((1.0 - _WRONG) * bell + _WRONG / _RANGE)
+    return np.asarray((1.0 - _WRONG) * ndtr(distance) + _WRONG)

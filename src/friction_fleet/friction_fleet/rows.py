@@ -1,0 +1,135 @@
+"""Rows of the tables `brakings` and `bounds` from a processed bag."""
+
+from __future__ import annotations
+
+from math import isfinite, nan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_bags.results.braking_rows import CAR, BrakingRow, Part, braking_rows
+from friction_bags.results.recorded_run import RecordedRun, Series
+from friction_fleet.places import NOWHERE, Places
+from vehicle_models.nanoseconds import NANOSECONDS
+
+Row = dict[str, Any]
+_PARTS = ("vehicle", "front", "rear")
+_PROOF = 2.58
+"""Deviations by which a proof is below the friction in use, as of friction_grip: 99.5 %."""
+_QUANTITIES = ("mu_used", "mu_used_stddev", "lambda_max", "lambda_max_stddev", "valid")
+
+
+def rows_of_brakings(run: RecordedRun, places: Places, key: str, vehicle: str) -> list[Row]:
+    """Return a row for the car in each braking, and one for each axle or wheel that differs.
+
+    Its place is where the peak was last known, else where the braking began. The car's mu_max is the median of those of
+    its wheels, each the last that was a number, with the widest deviation: as wheels of one car err together.
+    """
+    made = []
+    for braking in braking_rows(run):
+        peak, stddev, at = _peak(run, braking)
+        stamp = run.start + round((at if isfinite(at) else braking.start) * NANOSECONDS)
+        latitude, longitude = places.at(np.array([stamp]))[:, 0].tolist()
+        common = {
+            "bag": key,
+            "vehicle": vehicle,
+            "start": _microseconds(run.start + round(braking.start * NANOSECONDS)),
+            "duration": braking.end - braking.start,
+            "stamp": _microseconds(stamp),
+            "latitude": _known(latitude),
+            "longitude": _known(longitude),
+            "cell": int(places.cells(np.array([stamp]))[0]) or None,
+            "from_speed": braking.from_speed,
+            "to_speed": braking.to_speed,
+            "deceleration": _known(braking.mean_deceleration),
+            "largest_slip": _known(braking.largest_slip),
+        }
+        for part in braking.parts:
+            of_part = (peak, stddev) if part.of == CAR else (part.mu_max, part.mu_max_stddev)
+            made.append({**common, **_of_part(part, *of_part)})
+    return made
+
+
+def rows_of_bounds(run: RecordedRun, places: Places, key: str, vehicle: str) -> list[Row]:
+    """Return a row for each pass through a cell: the largest friction that was used, of the car or an axle.
+
+    The largest is that with the highest lower end. mu_proven and mu_lower are the largest of the pass.
+    """
+    grip = run.get("grip")
+    if grip is None:
+        return []
+    stamps = run.start + np.round(grip.time * NANOSECONDS).astype(np.int64)
+    cells = places.cells(stamps)
+    used = np.array([grip[f"{part}.mu_used"] for part in _PARTS])
+    stddev = np.array([grip[f"{part}.mu_used_stddev"] for part in _PARTS])
+    proof = np.where(np.isfinite(used + stddev), used - _PROOF * stddev, -np.inf)
+    borders = np.flatnonzero(np.diff(cells)) + 1
+    made = []
+    for visit in np.split(np.arange(cells.size), borders):
+        if not visit.size:
+            continue
+        part, sample = np.unravel_index(int(np.argmax(proof[:, visit])), (len(_PARTS), visit.size))
+        best = visit[sample]
+        if proof[part, best] <= 0.0:
+            continue
+        made.append(
+            {
+                "bag": key,
+                "vehicle": vehicle,
+                "stamp": _microseconds(int(stamps[best])),
+                "cell": None if cells[best] == NOWHERE else int(cells[best]),
+                "mu_used": float(used[part, best]),
+                "mu_used_stddev": float(stddev[part, best]),
+                "mu_proven": _largest(grip["mu_proven"][visit]),
+                "mu_lower": _largest(grip["mu_lower"][visit]),
+            }
+        )
+    return made
+
+
+def _peak(run: RecordedRun, braking: BrakingRow) -> tuple[float, float, float]:
+    """Return mu_max, its deviation and its time [s] in a braking; NaN where no wheel knows it."""
+    known = []
+    for wheel in (*run.wheels, "vehicle"):
+        curve = run.get(f"{wheel}/friction_curve")
+        last = None if curve is None else _last_peak(curve, braking)
+        if last is not None:
+            known.append(last)
+    if not known:
+        return nan, nan, nan
+    table = np.array(known)
+    return float(np.median(table[:, 0])), float(table[:, 1].max()), float(table[:, 2].max())
+
+
+def _last_peak(curve: Series, braking: BrakingRow) -> tuple[float, float, float] | None:
+    inside: NDArray[np.bool_] = (curve.time >= braking.start) & (curve.time < braking.end)
+    rows = np.flatnonzero(inside & np.isfinite(curve["mu_max"]) & np.isfinite(curve["mu_max_stddev"]))
+    if not rows.size:
+        return None
+    return float(curve["mu_max"][rows[-1]]), float(curve["mu_max_stddev"][rows[-1]]), float(curve.time[rows[-1]])
+
+
+def _of_part(part: Part, peak: float, stddev: float) -> Row:
+    proven = part.mu_used - _PROOF * part.mu_used_stddev
+    return {
+        "of": part.of,
+        **{name: _known(getattr(part, name)) for name in _QUANTITIES},
+        "mu_max": _known(peak),
+        "mu_max_stddev": _known(stddev),
+        "reason": part.reason,
+        "contradicted": bool(peak + _PROOF * stddev < proven),
+    }
+
+
+def _microseconds(stamp: int) -> int:
+    return stamp // 1000
+
+
+def _largest(values: NDArray[np.float64]) -> float | None:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if known.size else None
+
+
+def _known(value: float) -> float | None:
+    return value if isfinite(value) else None

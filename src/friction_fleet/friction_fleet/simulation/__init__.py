@@ -1,0 +1,1 @@
+"""A generated fleet: unknown cars on the roads of a town whose friction is known."""
