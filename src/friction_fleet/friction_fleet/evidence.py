@@ -28,16 +28,19 @@ class Evidence:
 def read_evidence(dataset: Dataset) -> list[Evidence]:
     """Return the fits and the lower bounds of a fleet that have a place, by time.
 
-    A fit that the same braking contradicts, by more friction in use, is none.
+    A fit that the same braking contradicts, by more friction in use, is none. Friction in use does not count beside a
+    fit of the same pass: the two are of the same tyres.
     """
     fits = [row for row in _rows(dataset, BRAKINGS) if row["of"] == CAR and row["mu_max"] and not row["contradicted"]]
     found = [
         Evidence(row["cell"], row["stamp"].timestamp(), row["vehicle"], row["mu_max"], row["mu_max_stddev"], True)
         for row in fits
     ]
+    known = {(row["bag"], row["cell"]) for row in fits}
     found += [
         Evidence(row["cell"], row["stamp"].timestamp(), row["vehicle"], row["mu_used"], row["mu_used_stddev"], False)
         for row in _rows(dataset, BOUNDS)
+        if (row["bag"], row["cell"]) not in known
     ]
     return sorted(found, key=lambda each: (each.stamp, each.cell, each.vehicle, each.is_fit, each.mu))
 

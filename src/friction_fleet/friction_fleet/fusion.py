@@ -7,6 +7,8 @@ road for a median tyre, and s the deviation of ln x by measurement and tyre:
     p(x) <- p(x) ((1 - e) N(ln m; ln x, s) + e / R)          a fit m; R is the range of ln x
     p(x) <- p(x) ((1 - e) Phi((ln x - ln u) / s) + e)        friction u in use: the road has at least this
 
+That a pass uses little is no evidence: a place where nobody brakes looks like ice to everybody who drives there.
+
 A road goes on into the next cell. So the prior of a cell is that of its neighbours, as far as no border lies between:
 
     p_i(x) ~ (p_i(x) / p_0(x)) (c mean_j p_j(x) + (1 - c) p_0(x)),    c = exp(-spacing / L)
@@ -40,6 +42,7 @@ SLIPPERY = 0.4
 WARNING = 0.5
 """Probability of a slippery road from which a cell is one."""
 _LOG_GRID = np.log(GRID)
+_ROOT = float(np.sqrt(2.0 * np.pi))
 _RANGE = float(_LOG_GRID[-1] - _LOG_GRID[0])
 
 
@@ -75,7 +78,10 @@ class FrictionMap:
     """The friction of all cells; evidence comes in the order of time."""
 
     def __init__(
-        self, prior: RoadPrior | None = None, change_time: float = CHANGE_TIME, use_bounds: bool = True
+        self,
+        prior: RoadPrior | None = None,
+        change_time: float = CHANGE_TIME,
+        use_bounds: bool = True,
     ) -> None:
         """Begin without evidence.
 
@@ -96,10 +102,10 @@ class FrictionMap:
         density = self._at(cell, evidence.stamp)
         if evidence.is_fit:
             cell.fits += 1
-            density = density * _likelihood(evidence)
+            density = density * _of_fit(evidence)
         else:
             cell.passes += 1
-            density = density * (_likelihood(evidence) if self._use_bounds else 1.0)
+            density = density * (_of_use(evidence) if self._use_bounds else 1.0)
         cell.density, cell.stamp = density / density.sum(), max(evidence.stamp, cell.stamp)
         cell.vehicles.add(evidence.vehicle)
 
@@ -134,11 +140,18 @@ class FrictionMap:
         return CellFriction(number, lower, median, upper, slippery, age, cell.passes, cell.fits, len(cell.vehicles))
 
 
-def _likelihood(evidence: Evidence) -> Array:
-    """Return the likelihood of evidence for each friction of GRID, (90,)."""
+def _of_fit(evidence: Evidence) -> Array:
+    """Return the likelihood of a fit for each friction of GRID, (90,)."""
+    distance, stddev = _distances(evidence)
+    bell = np.exp(-0.5 * distance**2) / (stddev * _ROOT)
+    return np.asarray((1.0 - _WRONG) * bell + _WRONG / _RANGE)
+
+
+def _of_use(evidence: Evidence) -> Array:
+    """Return the likelihood of friction in use for each friction of GRID, (90,)."""
+    return np.asarray((1.0 - _WRONG) * ndtr(_distances(evidence)[0]) + _WRONG)
+
+
+def _distances(evidence: Evidence) -> tuple[Array, float]:
     stddev = float(np.hypot(evidence.stddev / evidence.mu, BETWEEN_TYRES))
-    distance = (_LOG_GRID - np.log(evidence.mu)) / stddev
-    if evidence.is_fit:
-        bell = np.exp(-0.5 * distance**2) / (stddev * np.sqrt(2.0 * np.pi))
-        return np.asarray((1.0 - _WRONG) * bell + _WRONG / _RANGE)
-    return np.asarray((1.0 - _WRONG) * ndtr(distance) + _WRONG)
+    return (_LOG_GRID - np.log(evidence.mu)) / stddev, stddev

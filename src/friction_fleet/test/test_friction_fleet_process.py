@@ -1,0 +1,164 @@
+"""Bags to tables: rows with places, broken and equal bags, two runs, killed workers and drivers."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from shutil import copytree, rmtree
+from typing import Any
+
+import pytest
+
+pytest.importorskip("distributed")
+pytest.importorskip("pyarrow")
+pytest.importorskip("h3")
+
+from fleet_bags import SECONDS, broken_bags, short_drives
+
+from friction_fleet.__main__ import main
+from friction_fleet.cells import cell_of
+from friction_fleet.dataset import BOUNDS, BRAKINGS, RUN_COLUMNS, Dataset
+from friction_fleet.settings import Settings
+from friction_fleet.simulation.town import ORIGIN
+from friction_fleet.task import OtherCodeError, Task, content_key, process
+
+PATIENCE = 300.0
+
+
+@pytest.fixture(scope="module")
+def bags(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three drives of three cars, one of them twice, and four broken bags."""
+    directory = tmp_path_factory.mktemp("fleet") / "bags"
+    drives = short_drives(directory, 3)
+    copytree(drives[0], directory / "again")
+    broken_bags(directory, drives[1])
+    return directory
+
+
+@pytest.fixture(scope="module")
+def quiet(bags: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Tables that one process has made, task by task."""
+    out = tmp_path_factory.mktemp("quiet")
+    settings = Settings()
+    for bag in sorted(bags.iterdir()):
+        process(Task(f"file://{bag}", "", str(out), settings, settings.digest()))
+    return out
+
+
+def tables(out: Path) -> dict[str, Any]:
+    """All rows of a dataset, without what is of the run."""
+    dataset = Dataset(str(out))
+    rows = [{name: row[name] for name in row if name not in (*RUN_COLUMNS, "file_stamp")} for row in dataset.bags()]
+    return {"bags": rows, **{name: dataset.table(name).to_pylist() for name in (BRAKINGS, BOUNDS)}}
+
+
+def test_a_drive_has_rows_with_places(quiet: Path) -> None:
+    made = tables(quiet)
+    bounds = [row for row in made["bounds"] if row["cell"] is not None]
+    assert {row["vehicle"] for row in bounds} == {"car000", "car001", "car002"}
+    town = {cell_of(ORIGIN[0] + north, ORIGIN[1] + east) for north in (0.0, 0.0036) for east in (0.0, 0.0054)}
+    assert all(len(f"{row['cell']:x}") == len(f"{next(iter(town)):x}") for row in bounds)
+    assert all(0.0 < row["mu_used"] < 1.3 and row["mu_used_stddev"] > 0.0 for row in bounds)
+    assert all(row["from_speed"] > row["to_speed"] for row in made["brakings"])
+
+
+def test_every_bag_is_a_row_whatever_is_wrong_with_it(quiet: Path) -> None:
+    rows = {row["path"].rpartition("/")[2]: row for row in tables(quiet)["bags"]}
+    assert len(rows) == 8
+    status = {name: row["status"] for name, row in rows.items()}
+    assert status["again"] == "ok" and status["car000_drive000"] == "duplicate"  # of two that are equal, the first
+    assert status["cut"] == "damaged" and rows["cut"]["problems"]
+    assert {status[name] for name in ("empty", "noise", "strange")} == {"error"}
+    assert "no_such_car" in rows["strange"]["error"]
+    assert rows["car001_drive000"]["duration"] == pytest.approx(SECONDS, abs=0.05)
+
+
+def test_the_key_is_of_content_notes_and_settings_and_not_of_the_name(bags: Path, tmp_path: Path) -> None:
+    key, size = content_key(bags / "car000_drive000", "settings")
+    assert content_key(bags / "again", "settings") == (key, size)
+    assert content_key(bags / "car000_drive000", "others")[0] != key
+    assert content_key(bags / "strange", "settings")[0] != content_key(bags / "car001_drive000", "settings")[0]
+    assert Settings(vehicle="chapter_car").digest() != Settings().digest()
+    file = tmp_path / "parameters.yaml"
+    file.write_text("/**: {ros__parameters: {deadline: 0.1}}\n")
+    first = Settings(parameter_files=(file,)).digest()
+    file.write_text("/**: {ros__parameters: {deadline: 0.2}}\n")
+    assert Settings(parameter_files=(file,)).digest() != first
+
+
+def test_a_worker_with_other_code_refuses(bags: Path, tmp_path: Path) -> None:
+    with pytest.raises(OtherCodeError):
+        process(Task(f"file://{bags / 'again'}", "", str(tmp_path), Settings(), "of the driver"))
+    assert Dataset(str(tmp_path)).bags() == []
+
+
+def test_two_workers_make_the_same_tables_and_a_second_run_does_nothing(
+    bags: Path, quiet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["process", f"{bags}/*", "--out", str(tmp_path), "--workers", "2"]
+    assert main(command) == 1  # some bags are broken
+    assert "dashboard" in capsys.readouterr().out
+    assert tables(tmp_path) == tables(quiet)
+    assert main(command) == 0
+    assert "0 bags to process, 8 done before" in capsys.readouterr().out
+    assert main(["status", str(tmp_path)]) == 1
+    assert "8 bags: 1 damaged, 1 duplicate, 3 error, 3 ok" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_changed_bag_is_processed_again(bags: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "bags").mkdir()
+    copytree(bags / "noise", tmp_path / "bags/a")
+    command = ["process", f"{tmp_path}/bags/*", "--out", str(tmp_path / "out"), "--workers", "1"]
+    main(command)
+    rmtree(tmp_path / "bags/a")
+    copytree(bags / "empty", tmp_path / "bags/a")
+    main(command)
+    assert "1 bags to process" in capsys.readouterr().out.splitlines()[-3]
+
+
+def test_a_bag_that_takes_three_workers_with_it_is_a_row(bags: Path, tmp_path: Path) -> None:
+    command = ["process", f"{bags}/again", "--out", str(tmp_path), "--workers", "1", "--memory", "0.13"]
+    assert main(command) == 1  # an estimator needs more memory than that
+    (row,) = Dataset(str(tmp_path)).bags()
+    assert row["status"] == "killed"
+    assert main(command) == 0  # it is not tried again
+    assert main([*command[:-1], "2", "--retry-errors"]) == 0
+    (row,) = Dataset(str(tmp_path)).bags()
+    assert row["status"] == "ok"
+
+
+def workers_of(pid: int) -> Iterator[int]:
+    """Yield the processes below one."""
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = status.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[1]) == pid:
+            child = int(status.parent.name)
+            yield child
+            yield from workers_of(child)
+
+
+def test_killed_drivers_and_workers_lose_nothing(bags: Path, quiet: Path, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "friction_fleet", "process", f"{bags}/*", "--out", str(tmp_path), "--workers", "2"]
+    for victim in ("driver", "worker", ""):
+        child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        before, begun = len(Dataset(str(tmp_path)).bags()), time.monotonic()
+        while victim and len(Dataset(str(tmp_path)).bags()) == before and child.poll() is None:
+            assert time.monotonic() - begun < PATIENCE
+            time.sleep(0.1)
+        below = list(workers_of(child.pid))
+        if victim == "driver":
+            child.kill()
+            for pid in below:  # a machine that dies takes all of them
+                os.kill(pid, signal.SIGKILL)
+        elif victim == "worker" and below:
+            os.kill(max(below), signal.SIGKILL)
+        child.wait(PATIENCE)
+    assert tables(tmp_path) == tables(quiet)
