@@ -5,9 +5,11 @@ road for a median tyre, and s the deviation of ln x by measurement and tyre:
 
     p(x) <- e^(-dt/T) p(x) + (1 - e^(-dt/T)) p_0(x)          time
     p(x) <- p(x) ((1 - e) N(ln m; ln x, s) + e / R)          a fit m; R is the range of ln x
-    p(x) <- p(x) ((1 - e) Phi((ln x - ln u) / s) + e)        friction u in use: the road has at least this
+    p(x) <- p(x) ((1 - e) Phi((ln x - ln u) / s) + e)        friction u that was proven: the road has at least this
 
-That a pass uses little is no evidence: a place where nobody brakes looks like ice to everybody who drives there.
+u is the friction in use less 2.58 standard deviations. Proofs of one car are not repeated evidence, as its tyres are the
+same: only one that is larger than that of the last T counts. That a pass uses little is no evidence either: a place
+where nobody brakes looks like ice to everybody who drives there.
 
 A road goes on into the next cell. So the prior of a cell is that of its neighbours, as far as no border lies between:
 
@@ -29,14 +31,16 @@ from friction_grip.road_prior import GRID, RoadPrior
 
 Array = NDArray[np.float64]
 
-CHANGE_TIME = 12.0
-"""Mean time between changes of a road by weather, traffic and winter service [h]."""
+CHANGE_TIME = 6.0
+"""Mean time between changes of a road [h]: rain and drying, frost and thaw, winter service."""
 CHANGE_DISTANCE = 300.0
 """Mean distance between changes of the road [m], as of friction_grip."""
 BETWEEN_TYRES = 0.08
 """Deviation of the friction of tyres on one road, relative."""
 _WRONG = 0.02
 """Share of evidence that is wrong or of another place."""
+_PROOF = 2.58
+"""Deviations by which a proof is below the friction in use, as of friction_grip: 99.5 %."""
 SLIPPERY = 0.4
 """Friction of a road below which it is slippery: snow and ice."""
 WARNING = 0.5
@@ -69,6 +73,8 @@ class CellFriction:
 class _Cell:
     density: Array
     stamp: float
+    proofs: dict[str, tuple[float, float]] = field(default_factory=dict)
+    """Largest proof of each car, and its time [s]."""
     passes: int = 0
     fits: int = 0
     vehicles: set[str] = field(default_factory=set)
@@ -105,7 +111,12 @@ class FrictionMap:
             density = density * _of_fit(evidence)
         else:
             cell.passes += 1
-            density = density * (_of_use(evidence) if self._use_bounds else 1.0)
+            proven = evidence.mu - _PROOF * evidence.stddev
+            before, at = cell.proofs.get(evidence.vehicle, (0.0, evidence.stamp))
+            is_news = proven > before or evidence.stamp - at > self._change
+            if self._use_bounds and is_news and proven > GRID[0]:
+                cell.proofs[evidence.vehicle] = proven, evidence.stamp
+                density = density * _of_proof(proven)
         cell.density, cell.stamp = density / density.sum(), max(evidence.stamp, cell.stamp)
         cell.vehicles.add(evidence.vehicle)
 
@@ -116,15 +127,19 @@ class FrictionMap:
 
     def at(self, stamp: float) -> Mapping[int, CellFriction]:
         """Return the friction of every cell that has evidence, at a time not before the last of it [s since 1970]."""
-        own = {number: self._at(cell, stamp) for number, cell in self._cells.items()}
-        same = float(np.exp(-SPACING / CHANGE_DISTANCE))
-        found = {}
-        for number, density in sorted(own.items()):
-            around = [own[each] for each in neighbours(number) if each in own]
-            if around:
-                density = density / self._prior * (same * np.mean(around, axis=0) + (1.0 - same) * self._prior)
-            found[number] = self._summary(number, density / density.sum(), stamp)
-        return found
+        found = ((number, self.cell_at(number, stamp)) for number in sorted(self._cells))
+        return {number: cell for number, cell in found if cell is not None}
+
+    def cell_at(self, number: int, stamp: float) -> CellFriction | None:
+        """Return the friction of a cell at a time, as `at`; None where it has no evidence."""
+        if number not in self._cells:
+            return None
+        density = self._at(self._cells[number], stamp)
+        around = [self._at(self._cells[each], stamp) for each in neighbours(number) if each in self._cells]
+        if around:
+            same = float(np.exp(-SPACING / CHANGE_DISTANCE))
+            density = density / self._prior * (same * np.mean(around, axis=0) + (1.0 - same) * self._prior)
+        return self._summary(number, density / density.sum(), stamp)
 
     def _at(self, cell: _Cell, stamp: float) -> Array:
         same = float(np.exp(-max(stamp - cell.stamp, 0.0) / self._change))
@@ -142,16 +157,12 @@ class FrictionMap:
 
 def _of_fit(evidence: Evidence) -> Array:
     """Return the likelihood of a fit for each friction of GRID, (90,)."""
-    distance, stddev = _distances(evidence)
+    stddev = float(np.hypot(evidence.stddev / evidence.mu, BETWEEN_TYRES))
+    distance = (_LOG_GRID - np.log(evidence.mu)) / stddev
     bell = np.exp(-0.5 * distance**2) / (stddev * _ROOT)
     return np.asarray((1.0 - _WRONG) * bell + _WRONG / _RANGE)
 
 
-def _of_use(evidence: Evidence) -> Array:
-    """Return the likelihood of friction in use for each friction of GRID, (90,)."""
-    return np.asarray((1.0 - _WRONG) * ndtr(_distances(evidence)[0]) + _WRONG)
-
-
-def _distances(evidence: Evidence) -> tuple[Array, float]:
-    stddev = float(np.hypot(evidence.stddev / evidence.mu, BETWEEN_TYRES))
-    return (_LOG_GRID - np.log(evidence.mu)) / stddev, stddev
+def _of_proof(mu: float) -> Array:
+    """Return the likelihood of friction that was proven for each friction of GRID, (90,)."""
+    return np.asarray((1.0 - _WRONG) * ndtr((_LOG_GRID - np.log(mu)) / BETWEEN_TYRES) + _WRONG)

@@ -18,8 +18,6 @@ pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
 pytest.importorskip("h3")
 
-from fleet_bags import SECONDS, broken_bags, short_drives
-
 from friction_fleet.__main__ import main
 from friction_fleet.cells import cell_of
 from friction_fleet.dataset import BOUNDS, BRAKINGS, RUN_COLUMNS, Dataset
@@ -28,16 +26,8 @@ from friction_fleet.simulation.town import ORIGIN
 from friction_fleet.task import OtherCodeError, Task, content_key, process
 
 PATIENCE = 300.0
-
-
-@pytest.fixture(scope="module")
-def bags(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three drives of three cars, one of them twice, and four broken bags."""
-    directory = tmp_path_factory.mktemp("fleet") / "bags"
-    drives = short_drives(directory, 3)
-    copytree(drives[0], directory / "again")
-    broken_bags(directory, drives[1])
-    return directory
+SECONDS = 4.0
+"""Length of the drives, as in conftest.py."""
 
 
 @pytest.fixture(scope="module")

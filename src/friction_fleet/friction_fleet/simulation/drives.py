@@ -28,7 +28,7 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 
 FAMILIES = {**TYRES, "brush": BRUSH_TYRES}
-_BETWEEN_TYRES = 0.08
+BETWEEN_TYRES = 0.08
 """Deviation of the friction of cars on one road, relative: of their tyres."""
 HARD = 0.1
 """Share of the stops that are hard."""
@@ -163,7 +163,7 @@ def messages(job: DriveJob, vehicle: Vehicle) -> Iterator[tuple[str, Any]]:
 def _car(job: DriveJob) -> tuple[RandomCar, _Tyres]:
     rng = np.random.default_rng([job.seed, 24, job.car])
     family = list(FAMILIES)[job.car % len(FAMILIES)]
-    tyres = _Tyres(family, float(np.exp(rng.normal(0.0, _BETWEEN_TYRES))))
+    tyres = _Tyres(family, float(np.exp(rng.normal(0.0, BETWEEN_TYRES))))
     return random_car(int(rng.integers(1 << 31)), "dry", "burckhardt"), tyres
 
 

@@ -1,27 +1,36 @@
-"""Short bags of a generated fleet, and bags that are broken, for the tests of this package."""
+"""Bags for the tests of this package: short drives of a generated fleet, and bags that are broken."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from shutil import copytree
 
-from friction_fleet.simulation.drives import DriveJob
-from friction_fleet.simulation.simulate import make
+import pytest
 
 SECONDS = 4.0
 SEED = 5
 
 
-def short_drives(directory: Path, cars: int) -> list[Path]:
-    """Make a drive of each car."""
-    jobs = [DriveJob(car, 0, SEED, SECONDS) for car in range(cars)]
+@pytest.fixture(scope="session")
+def bags(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make three drives of 4 s of three cars, one of them twice, and four broken bags."""
+    pytest.importorskip("h3")
+    pytest.importorskip("pyarrow")
+    pytest.importorskip("fsspec")
+    from friction_fleet.simulation.drives import DriveJob
+    from friction_fleet.simulation.simulate import make
+
+    directory = tmp_path_factory.mktemp("fleet") / "bags"
     directory.mkdir()
+    jobs = [DriveJob(car, 0, SEED, SECONDS) for car in range(3)]
     for job in jobs:
         make(directory, job)
-    return [directory / job.name for job in jobs]
+    copytree(directory / jobs[0].name, directory / "again")
+    _break(directory, directory / jobs[1].name)
+    return directory
 
 
-def broken_bags(directory: Path, sound: Path) -> list[Path]:
+def _break(directory: Path, sound: Path) -> None:
     """Make an empty bag, one of noise, one that was cut off, and one whose car nobody knows."""
     empty, noise, cut, strange = (directory / name for name in ("empty", "noise", "cut", "strange"))
     empty.mkdir()
@@ -34,4 +43,3 @@ def broken_bags(directory: Path, sound: Path) -> list[Path]:
     storage.write_bytes(storage.read_bytes()[: storage.stat().st_size // 2])
     metadata = strange / "metadata.yaml"
     metadata.write_text(metadata.read_text(encoding="utf-8").replace("compact_car", "no_such_car"), encoding="utf-8")
-    return [empty, noise, cut, strange]
