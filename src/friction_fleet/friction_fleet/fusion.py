@@ -7,8 +7,8 @@ road for a median tyre, and s the deviation of ln x by measurement and tyre:
     p(x) <- p(x) ((1 - e) N(ln m; ln x, s) + e / R)          a fit m; R is the range of ln x
     p(x) <- p(x) ((1 - e) Phi((ln x - ln u) / s) + e)        friction u that was proven: the road has at least this
 
-u is the friction in use less 2.58 standard deviations. Proofs of one car are not repeated evidence, as its tyres are the
-same: only one that is larger than that of the last T counts. That a pass uses little is no evidence either: a place
+u is the friction in use less 2.58 standard deviations. Proofs of one car are not repeated evidence, as its tyres are
+the same: only one that is larger than that of the last T counts. That a pass uses little is no evidence either: a place
 where nobody brakes looks like ice to everybody who drives there.
 
 A road goes on into the next cell. So the prior of a cell is that of its neighbours, as far as no border lies between:
