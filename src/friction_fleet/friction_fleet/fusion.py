@@ -1,15 +1,16 @@
 """Friction of a cell over time by a histogram filter: fits are likelihoods, friction in use is a censored observation.
 
-Between observations the road may change, at a mean time T; then it is one of the prior's. With x the friction of the
-road for a median tyre, and s the deviation of ln x by measurement and tyre:
+Between observations the road may change, at a mean time T, and once more with probability 1/2 at each of n changes of
+the weather that are known; then it is one of the prior's. With x the friction of the road for a median tyre, and s the
+deviation of ln x by measurement and tyre:
 
-    p(x) <- e^(-dt/T) p(x) + (1 - e^(-dt/T)) p_0(x)          time
+    p(x) <- a p(x) + (1 - a) p_0(x),    a = e^(-dt/T) 2^(-n)   time
     p(x) <- p(x) ((1 - e) N(ln m; ln x, s) + e / R)          a fit m; R is the range of ln x
     p(x) <- p(x) ((1 - e) Phi((ln x - ln u) / s) + e)        friction u that was proven: the road has at least this
 
 u is the friction in use less 2.58 standard deviations. Proofs of one car are not repeated evidence, as its tyres are
-the same: only one that is larger than that of the last T counts. That a pass uses little is no evidence either: a place
-where nobody brakes looks like ice to everybody who drives there.
+the same: a smaller one counts once a < 1/e since the last. That a pass uses little is no evidence either: a place where
+nobody brakes looks like ice to everybody who drives there.
 
 A road goes on into the next cell. So the prior of a cell is that of its neighbours, as far as no border lies between:
 
@@ -18,7 +19,7 @@ A road goes on into the next cell. So the prior of a cell is that of its neighbo
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -35,6 +36,10 @@ CHANGE_TIME = 6.0
 """Mean time between changes of a road [h]: rain and drying, frost and thaw, winter service."""
 CHANGE_DISTANCE = 300.0
 """Mean distance between changes of the road [m], as of friction_grip."""
+_FORGOTTEN = float(np.exp(-1.0))
+"""Probability of an unchanged road below which a car's proof does not stand against a smaller one."""
+_WEATHER = 0.5
+"""Share of the roads that a change of the weather changes."""
 BETWEEN_TYRES = 0.08
 """Deviation of the friction of tyres on one road, relative."""
 _WRONG = 0.02
@@ -88,18 +93,21 @@ class FrictionMap:
         prior: RoadPrior | None = None,
         change_time: float = CHANGE_TIME,
         use_bounds: bool = True,
+        weather: Sequence[float] = (),
     ) -> None:
         """Begin without evidence.
 
         Args:
             prior: shares of roads; None for those of a year.
             change_time: mean time between changes of a road [h].
+            weather: times at which rain or frost begins or ends [s since 1970].
             use_bounds: whether friction in use counts, or fits alone.
         """
         self._prior = (RoadPrior() if prior is None else prior).density()
         self._prior = self._prior / self._prior.sum()
         self._change = 3600.0 * change_time
         self._use_bounds = use_bounds
+        self._weather = np.sort(np.array(weather))
         self._cells: dict[int, _Cell] = {}
 
     def update(self, evidence: Evidence) -> None:
@@ -113,7 +121,7 @@ class FrictionMap:
             cell.passes += 1
             proven = evidence.mu - _PROOF * evidence.stddev
             before, at = cell.proofs.get(evidence.vehicle, (0.0, evidence.stamp))
-            is_news = proven > before or evidence.stamp - at > self._change
+            is_news = proven > before or self._unchanged(at, evidence.stamp) < _FORGOTTEN
             if self._use_bounds and is_news and proven > GRID[0]:
                 cell.proofs[evidence.vehicle] = proven, evidence.stamp
                 density = density * _of_proof(proven)
@@ -142,8 +150,14 @@ class FrictionMap:
         return self._summary(number, density / density.sum(), stamp)
 
     def _at(self, cell: _Cell, stamp: float) -> Array:
-        same = float(np.exp(-max(stamp - cell.stamp, 0.0) / self._change))
+        same = self._unchanged(cell.stamp, stamp)
         return same * cell.density + (1.0 - same) * self._prior
+
+    def _unchanged(self, since: float, stamp: float) -> float:
+        """Return the probability that a road has not changed between two times."""
+        later = max(stamp, since)
+        begun, ended = np.searchsorted(self._weather, (since, later), side="right").tolist()
+        return float(np.exp(-(later - since) / self._change)) * (1.0 - _WEATHER) ** (ended - begun)
 
     def _summary(self, number: int, density: Array, stamp: float) -> CellFriction:
         cumulated = np.cumsum(density)

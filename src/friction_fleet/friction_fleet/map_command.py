@@ -24,6 +24,8 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--change-time", type=positive, default=CHANGE_TIME, metavar="H", help="mean time between changes of a road [h]"
     )
+    text = "rain or frost begins or ends: half of the roads may be others; repeatable"
+    parser.add_argument("--weather", type=time_of, action="append", default=[], metavar="TIME", help=text)
 
 
 def run(options: Namespace) -> int:
@@ -38,7 +40,7 @@ def run(options: Namespace) -> int:
     if not evidence:
         raise UserError(f"{options.dataset} has no evidence with a place: bags need a topic of sensor_msgs/NavSatFix")
     stamp = evidence[-1].stamp if options.at is None else options.at
-    road = FrictionMap(change_time=options.change_time)
+    road = FrictionMap(change_time=options.change_time, weather=options.weather)
     road.update_all(evidence)
     cells = list(road.at(stamp).values())
     options.out.mkdir(parents=True, exist_ok=True)

@@ -138,8 +138,8 @@ def workers_of(pid: int) -> Iterator[int]:
 def test_killed_drivers_and_workers_lose_nothing(bags: Path, quiet: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "friction_fleet", "process", f"{bags}/*", "--out", str(tmp_path), "--workers", "2"]
     for victim in ("driver", "worker", ""):
-        child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         before, begun = len(Dataset(str(tmp_path)).bags()), time.monotonic()
+        child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         while victim and len(Dataset(str(tmp_path)).bags()) == before and child.poll() is None:
             assert time.monotonic() - begun < PATIENCE
             time.sleep(0.1)

@@ -34,6 +34,9 @@ _WET, _SNOW, _ICE = 0.70, 0.25, 0.12
 """Wet over dry; friction of snow and ice."""
 RAIN = 6.0, 8.0
 """Hours between which it rains; each street dries 1 to 4 h after."""
+_FROST = 18.0
+WEATHER = tuple(START + 3600.0 * hour for hour in (*RAIN, _FROST))
+"""Changes of the weather that a forecast would have [s since 1970]."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ PATCHES = (
     Patch(((1, 0), (1, 1)), 150.0, 260.0, 0.0, 10.0, "ice"),
     Patch(((1, 0), (1, 1)), 150.0, 260.0, 20.0, HOURS, "ice"),
     Patch(((0, 1), (1, 1)), 240.0, 340.0, 0.0, 9.0, "ice"),
-    Patch(((1, 2), (2, 2)), 100.0, 320.0, 18.0, HOURS, "ice"),
+    Patch(((1, 2), (2, 2)), 100.0, 320.0, _FROST, HOURS, "ice"),
 )
 """A snow patch that stays, one that melts, two icy bridges in the morning, one at night, a street that freezes over."""
 

@@ -50,7 +50,7 @@ def run(options: Namespace) -> int:
     table = Table(*rows[0], box=None)
     for row in rows:
         table.add_row(*(each if isinstance(each, str) else f"{each:.4g}" for each in row.values()))
-    Console(width=200).print(table)
+    Console(width=240).print(table)
     return 0
 
 

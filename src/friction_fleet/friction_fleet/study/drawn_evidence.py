@@ -19,8 +19,10 @@ _SPEED = 14.0
 """[m/s]"""
 _BRAKINGS, _BRAKING = 350.0, 40.0
 """Mean distance of brakings and length of one [m]."""
-_USE, _STDDEV = 0.05, 0.02
-"""Mean friction used between brakings, and deviation of what is felt."""
+_USE = 0.05
+"""Mean friction used between brakings."""
+_BIAS, _STDDEV = 0.02, 0.04
+"""Error of the friction used, of a drive as it comes from the accelerometer, and the deviation that is stated."""
 _VALID, _FIT_ERROR = 0.5, 0.05
 """Share of the passed peaks that become valid curves, and their deviation, relative, as they state it."""
 
@@ -44,6 +46,7 @@ def drawn_evidence(seed: int, cars: int, drives: int, seconds: float) -> list[Ev
 
 
 def _drive(town: Town, rng: np.random.Generator, vehicle: str, tyre: float, seconds: float) -> list[Evidence]:
+    bias = _BIAS * float(rng.normal())
     hour, length = float(rng.uniform(0.0, 23.9)), _SPEED * seconds
     way = town.route(rng, length)
     uses: dict[int, tuple[float, float]] = {}
@@ -61,7 +64,7 @@ def _drive(town: Town, rng: np.random.Generator, vehicle: str, tyre: float, seco
         offset = offset if forwards else BLOCK - offset
         friction = tyre * town.road(street, offset, hour + distance / _SPEED / 3600.0)[1]
         cell, stamp = cell_of(*place(street, offset)), START + 3600.0 * hour + distance / _SPEED
-        used = max(min(demand, friction) + _STDDEV * float(rng.normal()), 0.0)
+        used = max(min(demand, friction) + bias, 0.0)
         if used > uses.get(cell, (0.0, 0.0))[0]:
             uses[cell] = used, stamp
         if distance < until and demand > friction and not passed:

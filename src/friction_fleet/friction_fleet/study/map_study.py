@@ -10,6 +10,7 @@ import numpy as np
 
 from friction_fleet.evidence import Evidence
 from friction_fleet.fusion import BETWEEN_TYRES, SLIPPERY, WARNING, CellFriction, FrictionMap
+from friction_fleet.simulation.town import WEATHER
 from friction_fleet.study.town_truth import CellTruth
 
 _INTERVAL_90 = 1.645
@@ -63,6 +64,7 @@ class WeightedMean:
 
 MAPS: Mapping[str, Callable[[], RoadMap]] = {
     "filter, fits and bounds": FrictionMap,
+    "the same, weather known": lambda: FrictionMap(weather=WEATHER),
     "filter, fits alone": lambda: FrictionMap(use_bounds=False),
     "weighted mean of fits": WeightedMean,
 }
