@@ -30,6 +30,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--drives", type=count, default=50, help="drawn-map: drives of each, of 2 minutes")
     parser.add_argument("--seed", type=int, default=0, help="drawn-map: same seed, same evidence")
     parser.add_argument("--bags", metavar="GLOB", help="engine: bags to process")
+    parser.add_argument("--rounds", type=count, default=2, help="engine: the best of them counts")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="for the rows as study.json")
 
 
@@ -43,7 +44,7 @@ def run(options: Namespace) -> int:
     if options.what == "engine":
         if not options.bags:
             raise UserError("study engine needs --bags")
-        rows = measure_engine(options.bags, options.out)
+        rows = measure_engine(options.bags, options.out, options.rounds)
     else:
         rows = _judge(options)
     (options.out / "study.json").write_text(json.dumps({"rows": rows}, indent=1) + "\n", encoding="utf-8")

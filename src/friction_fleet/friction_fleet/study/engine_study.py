@@ -15,14 +15,13 @@ from friction_fleet.driver import open_tasks
 from friction_fleet.settings import Settings
 from friction_fleet.task import process
 
-_ROUNDS = 2
 _WORKERS = (1, 2)
 
 
-def measure_engine(pattern: str, out: Path) -> list[dict[str, str | float]]:
-    """Process the bags with each engine and number of workers in turn; return the best of two rounds of each."""
+def measure_engine(pattern: str, out: Path, rounds: int) -> list[dict[str, str | float]]:
+    """Process the bags with each engine and number of workers in turn; return the best of some rounds of each."""
     best: dict[tuple[str, int], dict[str, str | float]] = {}
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         for engine, run in (("dask", _by_dask), ("pool", _by_pool)):
             for workers in _WORKERS:
                 tables = out / "tables"
