@@ -9,11 +9,8 @@ from typing import Any
 
 import pytest
 
-pytest.importorskip("duckdb")
 pytest.importorskip("pyarrow")
 pytest.importorskip("fsspec")
-
-import duckdb
 
 from friction_fleet.dataset import BAGS, BRAKINGS, ERROR, OK, SCHEMAS, Dataset
 
@@ -31,6 +28,7 @@ def braking(hour: float, mu_max: float | None, reason: str = "", vehicle: str = 
 
 
 def test_the_queries_of_the_readme_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    duckdb = pytest.importorskip("duckdb")
     dataset = Dataset(str(tmp_path / "tables"))
     rows = [braking(7.2, 0.1), braking(7.9, 0.14), braking(12.0, 0.9), braking(13.0, None, STRANGE, "car2")]
     for key, path, status, of_bag in (
