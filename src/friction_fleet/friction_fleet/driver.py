@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
-from time import perf_counter, time_ns
+from time import monotonic, perf_counter, time_ns
 from typing import Any
 
 import dask
 import fsspec
-from distributed import Client, KilledWorker, LocalCluster, as_completed
+from distributed import Client, Future, KilledWorker, LocalCluster, wait
+from distributed import TimeoutError as NotYet
 
 from friction_adapter.map_file import add_map_argument
 from friction_bags.bag_vehicle import CAR_OTHERWISE
@@ -33,6 +34,8 @@ _RETRIES = 2
 """Of a task whose storage fails."""
 _AHEAD = 3
 """Tasks on the way for each worker."""
+_LOOK, _ALONE = 10.0, 600.0
+"""Time after which workers are counted again, and without any of which the run ends [s]."""
 _UNREADABLE = "unreadable"
 
 
@@ -119,31 +122,44 @@ def rows_as_made(client: Client, tasks: Sequence[Task]) -> Iterator[Mapping[str,
     """Yield the row of each bag as it comes; memory does not grow with their number.
 
     Raises:
-        UserError: a worker has other code than this process.
+        UserError: a worker has other code than this process, or there has been none for a while.
     """
     waiting = iter(tasks)
-    running: dict[str, Task] = {}
-    futures = as_completed()
-
-    def submit(number: int) -> None:
-        for task in islice(waiting, number):
+    running: dict[Future, Task] = {}
+    seen = monotonic()
+    while True:
+        workers = len(client.nthreads())
+        for task in islice(waiting, max(_AHEAD * max(workers, 1) - len(running), 0)):
             future = client.submit(process, task, key=f"bag-{task.path}-{time_ns()}", retries=_RETRIES, pure=False)
-            running[future.key] = task
-            futures.add(future)
-
-    submit(_AHEAD * max(len(client.scheduler_info()["workers"]), 1))
-    for future in futures:
-        task = running.pop(future.key)
+            running[future] = task
+        if not running:
+            return
         try:
-            yield future.result()
-        except KilledWorker:
-            yield _killed(task)
-        except OtherCodeError as error:
-            raise UserError(str(error)) from error
-        except Exception as error:  # of the storage: no row, the next run tries again
-            yield blank_row(task, "", 0) | {"status": _UNREADABLE, "error": f"{type(error).__name__}: {error}"}
-        future.release()
-        submit(1)
+            done = wait(list(running), timeout=_LOOK, return_when="FIRST_COMPLETED").done
+        except NotYet:
+            done = set()
+        if workers:
+            seen = monotonic()
+        elif monotonic() - seen > _ALONE:
+            raise UserError(f"no worker for {_ALONE:.0f} s; what is done is kept: `process` again continues")
+        for future in done:
+            yield _row(future, running.pop(future))
+
+
+def _row(future: Future, task: Task) -> Mapping[str, Any]:
+    """Return the row of a bag whose task has ended.
+
+    Raises:
+        UserError: a worker has other code than this process.
+    """
+    try:
+        return future.result()
+    except KilledWorker:
+        return _killed(task)
+    except OtherCodeError as error:
+        raise UserError(str(error)) from error
+    except Exception as error:  # of the storage: no row, the next run tries again
+        return blank_row(task, "", 0) | {"status": _UNREADABLE, "error": f"{type(error).__name__}: {error}"}
 
 
 def _killed(task: Task) -> Mapping[str, Any]:
@@ -161,10 +177,12 @@ def _client(options: Namespace) -> Iterator[Client]:
             yield client
         return
     # a worker dies with its bag, not with what it has kept: nothing is spilled or paused
-    limits = {"distributed.worker.memory.target": False, "distributed.worker.memory.spill": False}
+    limits = {f"distributed.worker.memory.{name}": False for name in ("target", "spill", "pause")}
+    # on a machine that is busy with other things a worker takes minutes to come back, and would be given up
+    patience = {"distributed.deploy.lost-worker-timeout": _ALONE, "distributed.comm.timeouts.connect": _ALONE}
     allowed = {"distributed.scheduler.allowed-failures": _DEATHS - 1}
     with (
-        dask.config.set({**limits, **allowed, "distributed.worker.memory.pause": False}),
+        dask.config.set({**limits, **patience, **allowed}),
         LocalCluster(
             n_workers=options.workers,
             threads_per_worker=1,
