@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite, nan
+from math import hypot, isfinite, nan
 from typing import Any
 
 import numpy as np
@@ -111,14 +111,13 @@ def _last_peak(curve: Series, braking: BrakingRow) -> tuple[float, float, float]
 
 
 def _of_part(part: Part, peak: float, stddev: float) -> Row:
-    proven = part.mu_used - _PROOF * part.mu_used_stddev
     return {
         "of": part.of,
         **{name: _known(getattr(part, name)) for name in _QUANTITIES},
         "mu_max": _known(peak),
         "mu_max_stddev": _known(stddev),
         "reason": part.reason,
-        "contradicted": bool(peak + _PROOF * stddev < proven),
+        "contradicted": bool(part.mu_used - peak > _PROOF * hypot(part.mu_used_stddev, stddev)),
     }
 
 

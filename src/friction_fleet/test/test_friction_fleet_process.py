@@ -122,6 +122,30 @@ def test_a_bag_that_takes_three_workers_with_it_is_a_row(bags: Path, tmp_path: P
     assert row["status"] == "ok"
 
 
+def test_a_log_of_another_car_goes_through_its_map(tmp_path: Path) -> None:
+    (tmp_path / "map.yaml").write_text(
+        """vehicle: compact_car
+stamp: time
+signals:
+  wheel_speed: {from: {column: "{wheel}"}, unit: rad/s}
+  acceleration: {from: {column: a}}
+"""
+    )
+    wheels = ("front_left", "front_right", "rear_left", "rear_right")
+    rows = [",".join(("time", *wheels, "a"))]
+    for k in range(600):
+        braked = max(min(0.01 * k - 2.0, 2.0), 0.0)
+        speed = (20.0 - 3.0 * braked) / 0.3
+        rows.append(",".join(f"{each:.4f}" for each in (0.01 * k, *[speed] * 4, -3.0 if 0.0 < braked < 2.0 else 0.0)))
+    (tmp_path / "log.csv").write_text("\n".join(rows) + "\n")
+    settings = Settings(map_file=str(tmp_path / "map.yaml"))
+    row = process(Task(f"file://{tmp_path}/log.csv", "", str(tmp_path / "out"), settings, settings.digest()))
+    assert (row["status"], row["vehicle"], row["brakings"]) == ("ok", "compact_car", 1), row["error"]
+    (braking,) = (each for each in tables(tmp_path / "out")["brakings"] if each["of"] == "car")
+    assert braking["mu_used"] == pytest.approx(3.0 / 9.81, abs=0.03)
+    assert braking["cell"] is None
+
+
 def workers_of(pid: int) -> Iterator[int]:
     """Yield the processes below one."""
     for status in Path("/proc").glob("[0-9]*/stat"):
