@@ -109,11 +109,13 @@ class Dataset:
         Of several paths with one content the first has the results, the others are duplicates of it.
         """
         newest: dict[str, dict[str, Any]] = {}
+        results: dict[str, dict[str, Any]] = {}  # by content, also where its first path has another by now
         for row in self._read(self._files(BAGS), BAGS).to_pylist():
-            before = newest.get(row["path"])
-            if before is None or (before["committed"], before["bag"]) < (row["committed"], row["bag"]):
-                newest[row["path"]] = row
-        results = {row["bag"]: row for row in newest.values() if row["status"] != DUPLICATE}
+            for known, name in ((newest, "path"), (results, "bag")):
+                before = known.get(row[name])
+                is_newer = before is None or (before["committed"], before["bag"]) < (row["committed"], row["bag"])
+                if is_newer and (known is newest or row["status"] != DUPLICATE):
+                    known[row[name]] = row
         rows, seen = [], set()
         for path, row in sorted(newest.items()):
             of_path = {name: row[name] for name in ("path", "file_stamp")}

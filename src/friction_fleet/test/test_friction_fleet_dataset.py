@@ -66,6 +66,17 @@ def test_which_of_two_equal_bags_is_the_duplicate_does_not_depend_on_the_order(t
     assert seen == [expected] * 6
 
 
+def test_a_duplicate_of_a_bag_that_was_changed_later_keeps_the_results(tmp_path: Path) -> None:
+    dataset = Dataset(str(tmp_path))
+    dataset.put_rows(BOUNDS, "k", "car", "2026-01-15", [bound("k", 0.5)])
+    dataset.commit(bag("k", "a", 1))
+    dataset.commit(bag("k", "b", 2, DUPLICATE))
+    dataset.commit(bag("other", "a", 3))
+    assert [(row["path"], row["bag"], row["status"]) for row in dataset.bags()] == [("a", "other", OK), ("b", "k", OK)]
+    assert dataset.table(BOUNDS).num_rows == 1
+    assert dataset.compact() == 0
+
+
 def test_two_workers_that_had_the_same_bag_at_once_count_once(tmp_path: Path) -> None:
     dataset = Dataset(str(tmp_path))
     for path in "ba":
