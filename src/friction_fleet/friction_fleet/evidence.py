@@ -28,7 +28,7 @@ class Evidence:
 def read_evidence(dataset: Dataset) -> list[Evidence]:
     """Return the fits and the lower bounds of a fleet that have a place, by time.
 
-    A fit that the same braking contradicts, by more friction in use, is none. Friction in use does not count beside a
+    A fit that friction in use contradicts is none. Friction in use does not count beside a
     fit of the same pass: the two are of the same tyres.
     """
     fits = [row for row in _rows(dataset, BRAKINGS) if row["of"] == CAR and row["mu_max"] and not row["contradicted"]]

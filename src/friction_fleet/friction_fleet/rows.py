@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot, isfinite, nan
+from math import isfinite, nan
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,8 @@ Row = dict[str, Any]
 _PARTS = ("vehicle", "front", "rear")
 _PROOF = 2.58
 """Deviations by which a proof is below the friction in use, as of friction_grip: 99.5 %."""
+_MEAN = 0.2
+"""Time of which friction in use is the mean [s]."""
 _QUANTITIES = ("mu_used", "mu_used_stddev", "lambda_max", "lambda_max_stddev", "valid")
 
 
@@ -46,8 +48,8 @@ def rows_of_brakings(run: RecordedRun, places: Places, key: str, vehicle: str) -
             "largest_slip": _known(braking.largest_slip),
         }
         for part in braking.parts:
-            of_part = (peak, stddev) if part.of == CAR else (part.mu_max, part.mu_max_stddev)
-            made.append({**common, **_of_part(part, *of_part)})
+            of_part = (peak, stddev, at) if part.of == CAR else (part.mu_max, part.mu_max_stddev, part.valid_at)
+            made.append({**common, **_of_part(part, *of_part[:2]), "contradicted": _contradicted(run, *of_part)})
     return made
 
 
@@ -117,8 +119,17 @@ def _of_part(part: Part, peak: float, stddev: float) -> Row:
         "mu_max": _known(peak),
         "mu_max_stddev": _known(stddev),
         "reason": part.reason,
-        "contradicted": bool(part.mu_used - peak > _PROOF * hypot(part.mu_used_stddev, stddev)),
     }
+
+
+def _contradicted(run: RecordedRun, peak: float, stddev: float, at: float) -> bool:
+    """Return whether the car used more than a peak while the peak was known: before, the road may have been another."""
+    grip = run.get("grip")
+    if grip is None:
+        return False
+    then = (grip.time > at - _MEAN) & (grip.time <= at)
+    used, of_used = grip["vehicle.mu_used"][then], grip["vehicle.mu_used_stddev"][then]
+    return bool(np.any(used - peak > _PROOF * np.hypot(of_used, stddev)))
 
 
 def _microseconds(stamp: int) -> int:
