@@ -63,7 +63,7 @@ def fault_rows(vehicle: Vehicle, parameters: EstimatorParameters, seeds: Sequenc
 def _follow(
     run: Recording, fault: Callable[[Array, float], Array], vehicle: Vehicle, parameters: EstimatorParameters
 ) -> tuple[float, float, bool, float]:
-    """Return the longest time beyond the interval [s], speed RMS [m/s], whether it is named, and share of valid slips."""
+    """Return longest time beyond the interval [s], speed RMS [m/s], whether it is named, and share of valid slips."""
     dt = float(run.time[1] - run.time[0])
     after = run.time >= FROM
     run = replace(run, acceleration=np.where(after, fault(run.acceleration, dt), run.acceleration))
