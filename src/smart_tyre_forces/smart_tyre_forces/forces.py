@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smart_tyre_forces.calibration import TyreCalibration, WheelCalibration, polynomial
-from smart_tyre_forces.correction import Patch
+from smart_tyre_forces.correction import Patch, ZeroParameters
 from smart_tyre_forces.reasons import FORCE_TEXTS
 from smart_tyre_forces.tyre_gain import TyreGain
 from vehicle_models.reason import Reason
@@ -52,6 +52,14 @@ def _front_stddev(tyre: TyreCalibration, patch: Patch) -> float:
 def shift_stddev(tyre: TyreCalibration, patch: Patch) -> float:
     """Standard deviation of the corrected shift [rad]: half the sum of two fronts, and beta times their difference."""
     return _front_stddev(tyre, patch) * float(np.sqrt(0.5 + 2.0 * tyre.beta**2))
+
+
+def zero_stddev(tyre: TyreCalibration, patch: Patch, zero_speed: float) -> float:
+    """Standard deviation of the zero of the shift [rad]: the mean of the revolutions of its stretch at `zero_speed`."""
+    turns = patch.passage.wheel_speed * zero_speed / patch.speed
+    time = patch.length_raw / turns
+    revolutions = max(ZeroParameters().duration * turns / (2.0 * np.pi), 1.0)
+    return float(np.sqrt((shift_stddev(tyre, patch) ** 2 + tyre.load_scatter * time**2) / revolutions))
 
 
 def length_stddev(tyre: TyreCalibration, patch: Patch) -> float:
@@ -94,7 +102,8 @@ def forces(
     by_shift, by_length = known.load_scatter(patch)
     length = length_stddev(tyre, patch) if gain is None else _front_stddev(tyre, patch) * float(np.sqrt(2.0))
     length = float(np.hypot(np.hypot(length, by_length), known.length_stddev * (patch.length + trend)))
-    shift = tyre.shift_map.slope(force) * float(np.hypot(shift_stddev(tyre, patch), by_shift))
+    zero = zero_stddev(tyre, patch, zero_speed) if gain is None else 0.0  # that of a gain is in its covariance
+    shift = tyre.shift_map.slope(force) * float(np.sqrt(shift_stddev(tyre, patch) ** 2 + by_shift**2 + zero**2))
     return Forces(
         reason=Reason.OK,
         fx=force + (steady_force(tyre, wheel, patch.speed, zero_speed) if restore_steady else 0.0),
