@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from math import nan
 from typing import Final
 
 import numpy as np
@@ -12,6 +11,7 @@ from rich.progress import track
 
 from benchmarks.runner import Row, at_most, not_judged
 from benchmarks.slip.car_drives import ordinary_drive
+from benchmarks.slip.recorded_drive import INTERVAL, LEAST_SPEED, estimates
 from corner_sim.car.recording import Recording
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimator import EstimatorParameters, SlipEstimator
@@ -20,10 +20,6 @@ Array = NDArray[np.float64]
 
 FROM: Final = 20.0
 """Begin of the fault [s]: the car has driven and braked by then."""
-PRESSURE_AGE: Final = 0.02
-"""Time after which the node uses a brake pressure [s]."""
-SLOWEST: Final = 3.0
-"""Speed below which nothing is judged [m/s]."""
 LONGEST: Final = 2.0
 """Time for which a valid speed may be beyond its 95 % interval [s]."""
 
@@ -68,21 +64,15 @@ def _follow(
     after = run.time >= FROM
     run = replace(run, acceleration=np.where(after, fault(run.acceleration, dt), run.acceleration))
     estimator = SlipEstimator(vehicle, parameters)
-    gains = [wheel.brake_gain for wheel in vehicle.wheels]
-    torques = [[nan] * len(gains)] * round(PRESSURE_AGE / dt) + (run.brake_pressure * gains).tolist()
     errors, lasts, longest, named = [], 0.0, 0.0, False
-    signals = zip(run.time, run.wheel_speed, run.acceleration, run.speed, torques, strict=False)
-    for time, wheel_speeds, reading, speed, torque in signals:
-        stamp = round((time + 1.0) * 1e9)
-        forward = float(reading) * vehicle.accelerometer.scale
-        answer = estimator.update(stamp, wheel_speeds.tolist(), forward, torques=torque)[0]
+    for (answer, *_), time, speed in zip(estimates(estimator, run, vehicle), run.time, run.speed, strict=True):
         named = named or (time >= FROM and bool(estimator.accelerometer.text))
-        if answer.reason or time < FROM or speed < SLOWEST:
+        if answer.reason or time < FROM or speed < LEAST_SPEED:
             lasts = 0.0
             continue
         error = answer.vehicle_speed - speed
         errors.append(error)
-        lasts = lasts + dt if abs(error) > 1.96 * answer.vehicle_speed_variance**0.5 else 0.0
+        lasts = lasts + dt if abs(error) > INTERVAL * answer.vehicle_speed_variance**0.5 else 0.0
         longest = max(longest, lasts)
-    judged = max(int((after & (run.speed > SLOWEST)).sum()), 1)
+    judged = max(int((after & (run.speed > LEAST_SPEED)).sum()), 1)
     return longest, float(np.sqrt(np.mean(np.square(errors)))), named, len(errors) / judged

@@ -6,17 +6,17 @@ are those of the file over the nominal radii of the vehicle file, which are wron
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import isfinite, nan
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
-from geometry_msgs.msg import Vector3
 from numpy.typing import NDArray
 from rich.progress import track
 
 from benchmarks.measured import INDY_AV21
 from benchmarks.runner import Row, at_least, at_most, not_judged
 from benchmarks.slip.car_drives import cases, drive, ordinary_drive
+from benchmarks.slip.recorded_drive import LEAST_SPEED, covered, estimates
 from benchmarks.slip.stops import shipped
 from corner_sim.car.recording import Recording
 from friction_adapter.map_file import load_map
@@ -70,15 +70,9 @@ def _rows(path: Path, sensor: bool) -> list[Row]:
 
 
 Array = NDArray[np.float64]
-_INTERVAL = 1.96
 _LEAST_Z, _LARGEST_Z = 0.4, 1.3
 """Range of the RMS of the error over its deviation [-]: below it the deviation says too little, above it is wrong."""
 _LEAST_COVERAGE = 90.0
-_LEAST_SPEED = 3.0
-"""Speed below which nothing is judged [m/s]."""
-_BASE_STAMP = 1_000_000_000
-_LATE = 0.02
-"""Time after which the node uses a brake pressure [s]."""
 
 
 @dataclass(frozen=True)
@@ -115,16 +109,7 @@ def judge(run: Recording, vehicle: Vehicle, parameters: EstimatorParameters) -> 
     estimator = SlipEstimator(vehicle, parameters)
     speeds, slips = [], []
     valid = 0
-    mounting = vehicle.accelerometer
-    gains = [wheel.brake_gain for wheel in vehicle.wheels]
-    unknown = [[nan] * len(gains)] * round(_LATE / (run.time[1] - run.time[0]))
-    torques = (unknown + (run.brake_pressure * gains).tolist())[: len(run.time)]
-    for time, wheel_speeds, reading, speed, slip, torque in zip(
-        run.time, run.wheel_speed, run.acceleration, run.speed, run.slip, torques, strict=True
-    ):
-        stamp = _BASE_STAMP + round(time * 1e9)
-        forward = mounting.forward(Vector3(x=float(reading)))
-        answers = estimator.update(stamp, wheel_speeds.tolist(), forward, torques=torque)
+    for answers, speed, slip in zip(estimates(estimator, run, vehicle), run.speed, run.slip, strict=True):
         found = [
             (answer.slip - true, answer.slip_variance)
             for answer, true in zip(answers, slip, strict=True)
@@ -132,7 +117,7 @@ def judge(run: Recording, vehicle: Vehicle, parameters: EstimatorParameters) -> 
         ]
         valid += len(found)
         # In reverse there is a speed, and no slip.
-        if (found or (speed < 0.0 and isfinite(answers[0].vehicle_speed))) and abs(speed) > _LEAST_SPEED:
+        if (found or (speed < 0.0 and isfinite(answers[0].vehicle_speed))) and abs(speed) > LEAST_SPEED:
             speeds.append((answers[0].vehicle_speed - speed, answers[0].vehicle_speed_variance))
             slips += found
     of_speed, of_slip = np.reshape(speeds, (-1, 2)), np.reshape(slips, (-1, 2))
@@ -150,16 +135,12 @@ def case_rows(case: str, runs: Sequence[Judged]) -> list[Row]:
     if not error.size:
         return [{**start, "quantity": "valid [%]", **not_judged(0.0)}]
     spread = float(np.sqrt(np.mean(z**2)))
-    of_slip = at_least(_inside(slip_z), _LEAST_COVERAGE) if slip_z.size else not_judged(float("nan"))
+    of_slip = at_least(covered(slip_z), _LEAST_COVERAGE) if slip_z.size else not_judged(float("nan"))
     return [
         {**start, "quantity": "z of the speed, RMS", **at_most(spread, _LARGEST_Z)},
         {**start, "quantity": "z of the speed, RMS, not less", **at_least(spread, _LEAST_Z)},
-        {**start, "quantity": "coverage of the speed [%]", **at_least(_inside(z), _LEAST_COVERAGE)},
+        {**start, "quantity": "coverage of the speed [%]", **at_least(covered(z), _LEAST_COVERAGE)},
         {**start, "quantity": "coverage of the slip [%]", **of_slip},
         {**start, "quantity": "speed RMS [m/s]", **not_judged(float(np.sqrt(np.mean(error**2))))},
         {**start, "quantity": "valid [%]", **not_judged(float(np.mean([run.valid for run in runs])))},
     ]
-
-
-def _inside(z: Array) -> float:
-    return 100.0 * float(np.mean(np.abs(z) < _INTERVAL))

@@ -18,6 +18,7 @@ from corner_sim.car.cornering_car import CorneringCar
 from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.measured_car import MeasuredCar
 from corner_sim.car.random_car import random_car
+from corner_sim.car.recording import SPUN
 from corner_sim.car.tyres import BRUSH_TYRES, TYRES, Scaled, Tyre
 from corner_sim.ros import messages
 from corner_sim.sensors import CHAPTER_NOISE, Measurement
@@ -44,8 +45,6 @@ SPEED: Final = 25.0
 DURATION: Final = 2.3
 """Time of braking [s]."""
 LEAST_SPEED: Final = 3.0
-MOST_SIDESLIP: Final = 0.35
-"""Lateral over forward speed at which a car has spun and a stop ends [-]."""
 BEND: Final = 0.5
 """Time in which the curve begins [s]."""
 CHANGED_AFTER: Final = 14.0
@@ -268,7 +267,7 @@ def _drive(
                 imu.angular_velocity_covariance[0] = -1.0
             row = [time, *np.abs(car.tyre_slip).tolist(), *peaks, car.speed]
             yield stamp, made, row
-        if car.speed < LEAST_SPEED or abs(car.lateral_speed) > MOST_SIDESLIP * car.speed:
+        if car.speed < LEAST_SPEED or abs(car.lateral_speed) > SPUN * car.speed:
             return
         if braked_at is None and time >= cycling.start:
             braked_at = car.distance

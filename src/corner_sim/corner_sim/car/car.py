@@ -96,6 +96,10 @@ class Car:
         """Wheel speeds [rad/s]."""
         self.acceleration = 0.0
         """Mean acceleration of the body over the last step [m/s^2]."""
+        self.lateral_speed = 0.0
+        """Of the centre of gravity, to the left [m/s]; this car stays on its path."""
+        self.yaw_rate = 0.0
+        """Counter-clockwise [rad/s]."""
         self.pitch = Pitch(p.pitch_frequency, p.pitch_damping, p.damper_share)
         self.wheel_acceleration = [0.0] * 4
         """Mean accelerations of the wheels over the last step [rad/s^2]."""
@@ -180,6 +184,7 @@ class Car:
         p, h = self._p, STEP
         gh = GAMMA * h
         self._curvature = curvature
+        self.yaw_rate = curvature * self.speed
         loads, grips = self.vertical_load, self.grip
         stub = self._stub_ratio(curvature)
         rear = engine_torque if engine_torque > 0.0 else -p.engine_drag

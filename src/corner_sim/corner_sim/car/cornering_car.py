@@ -42,10 +42,6 @@ class CorneringCar(Car):
         """Begin straight ahead at `speed` [m/s] > 0; `seed` is that of the road's unevenness."""
         super().__init__(parameters, speed, seed)
         p = parameters
-        self.lateral_speed = 0.0
-        """Of the centre of gravity, to the left [m/s]."""
-        self.yaw_rate = 0.0
-        """Counter-clockwise [rad/s]."""
         self.lateral_acceleration = 0.0
         """Mean specific force across the car over the last step, to the left [m/s^2], without gravity by roll."""
         self.roll = Pitch(_ROLL_FREQUENCY, _ROLL_DAMPING, p.damper_share)

@@ -15,6 +15,8 @@ from corner_sim.car.measured_car import MeasuredCar
 Array = NDArray[np.float64]
 END_SPEED = 3.0
 """A recording ends at this speed [m/s]: slip is ill-defined below."""
+SPUN = 0.35
+"""Lateral over forward speed at which a car has spun, and a recording ends [-]."""
 
 
 class Prescription(Protocol):
@@ -51,6 +53,8 @@ class Recording:
     """Truth [N], (N, 4)."""
     true_acceleration: Array
     """Of the body [m/s^2], (N,)."""
+    yaw_rate: Array
+    """Truth [rad/s], counter-clockwise positive, (N,)."""
     lambda_max: Array
     """Peak slip of each tyre on its road, (4,)."""
     mu_max: Array
@@ -66,8 +70,9 @@ def record(
     speed: float = 25.0,
     duration: float = 30.0,
     surroundings: Callable[[float, Car], Surroundings] | None = None,
+    car: Car | None = None,
 ) -> Recording:
-    """Drive a car and record it, from rolling freely to END_SPEED or for `duration`.
+    """Drive a car and record it, from rolling freely to END_SPEED, until it has spun, or for `duration`.
 
     Args:
         parameters: the car as it is.
@@ -76,11 +81,12 @@ def record(
         speed: at the start [m/s], above END_SPEED.
         duration: longest time [s].
         surroundings: engine, hills and curves by time [s] and car; nothing if not given.
+        car: one made of the same parameters, speed and seed; if not given one that stays on its path.
 
     Raises:
         ValueError: the sample rate is no divisor of 1000 Hz.
     """
-    measured = MeasuredCar(parameters, speed, seed)
+    measured = MeasuredCar(parameters, speed, seed, car)
     car = measured.car
     rows = []
     for step in range(round(duration / STEP) + 1):
@@ -90,10 +96,10 @@ def record(
                 [
                     *(m.time, *m.wheel_speed, *m.brake_pressure, m.acceleration),
                     *(car.speed, *car.slip, *car.tyre_slip, *car.friction, *car.vertical_load, car.acceleration),
-                    *car.grip,
+                    *(*car.grip, car.yaw_rate),
                 ]
             )
-        if car.speed <= END_SPEED:
+        if car.speed <= END_SPEED or abs(car.lateral_speed) > SPUN * car.speed:
             break
         around = surroundings(measured.time, car) if surroundings else _NOTHING
         pressure = prescription.pressure(measured.time, STEP, car)
@@ -111,6 +117,7 @@ def record(
         mu=table[:, 19:23],
         vertical_load=table[:, 23:27],
         true_acceleration=table[:, 27],
+        yaw_rate=table[:, 32],
         lambda_max=peaks[:, 0],
         mu_max=peaks[:, 1] * table[:, 28:32],
         parameters=parameters,
