@@ -286,17 +286,14 @@ class CarMotion:
     def _predict(self, dt: float) -> None:
         """Go on to the end of a step."""
         p, x, covariance = self._noise, self._bank.x, self._bank.p
-        seen, turn = self._step.reading is not None, exp(-dt / p.curve_time)
+        seen = self._step.reading is not None
         way, kept = self._step.gone, 1.0 - x[:, K]
         by_offset = way - dt * x[:, B] if seen else np.full(2, way)
         x[:, V] += by_offset * kept + self._delay * self._step.moved
-        x[:, U] *= turn
         if seen:
             f = np.stack([-dt * kept, -by_offset, np.full(2, self._step.moved)], axis=1)
             covariance[:, V] += (f[:, None] @ covariance[:, [B, K, T]])[:, 0]
             covariance[:, :, V] += (covariance[:, :, [B, K, T]] @ f[:, :, None])[:, :, 0]
-        covariance[:, U] *= turn
-        covariance[:, :, U] *= turn
         speed = max(abs(self._speed), SLOWEST)
         between = dt / max(self._step.samples, 1)
         noise = dt * max(between * p.acceleration**2, self._drift) + dt * between**2 * p.jerk**2 / 3.0
@@ -306,12 +303,8 @@ class CarMotion:
         covariance[SLOPE_KEPT, B, B] += dt * p.offset_walk**2
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
         covariance[SLOPE_CHANGED, B, B] += dt * speed / p.slope_length * unknown
-        covariance[:, U, U] += (p.lateral / max(speed, SLOWEST_TURN)) ** 2 * (1.0 - turn**2)
-        stays = exp(-dt / p.slide_time)
-        x[:, S] += (1.0 - stays) * (p.slide - x[:, S])
-        covariance[:, S] *= stays
-        covariance[:, :, S] *= stays
-        covariance[:, S, S] += p.slide_alike * p.slide_stddev**2 * (1.0 - stays**2)
+        self._bank.forget(U, exp(-dt / p.curve_time), 0.0, (p.lateral / max(speed, SLOWEST_TURN)) ** 2)
+        self._bank.forget(S, exp(-dt / p.slide_time), p.slide, p.slide_alike * p.slide_stddev**2)
 
     def _correct_by_wheels(self, stamp: int, dt: float, torques: Sequence[float]) -> None:
         """Take the means of the wheels over the step before the last."""

@@ -47,6 +47,13 @@ class FilterBank:
         mixed = share.T @ self.p.reshape(2, -1)
         self.p = mixed.reshape(self.p.shape) + (share[0] * share[1])[:, None, None] * (apart[:, None] * apart)
 
+    def forget(self, state: int, kept: float, towards: float, variance: float) -> None:
+        """Let a state go to kept x + (1 - kept) towards; `variance` is what it has when nothing is left of it."""
+        self.x[:, state] += (1.0 - kept) * (towards - self.x[:, state])
+        self.p[:, state] *= kept
+        self.p[:, :, state] *= kept
+        self.p[:, state, state] += (1.0 - kept**2) * variance
+
     def relax(self, states: slice, kept: Array, towards: Array, by: Array, variance: Array, common: int) -> None:
         """Let states x go to kept x + (1 - kept)(towards + by x[common]) with a variance each; shapes (states,)."""
         share = (1.0 - kept) * by
