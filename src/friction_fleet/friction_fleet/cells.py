@@ -1,5 +1,7 @@
 """Cells of the earth's surface by H3: hexagons, about 50 m across."""
 
+from typing import Any
+
 import h3.api.numpy_int as h3
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +32,11 @@ def centre(cell: int) -> tuple[float, float]:
 def outline(cell: int) -> list[tuple[float, float]]:
     """Return longitude and latitude [deg] of each corner of a cell, in the order of GeoJSON."""
     return [(float(longitude), float(latitude)) for latitude, longitude in h3.cell_to_boundary(cell)]
+
+
+def outlines(cells: list[int]) -> Any:
+    """Return the geometry of touching cells as GeoJSON has it, without the borders between them."""
+    return h3.cells_to_geo(cells)
 
 
 def neighbours(cell: int) -> list[int]:

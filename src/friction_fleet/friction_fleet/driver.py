@@ -22,7 +22,7 @@ from distributed import TimeoutError as NotYet
 from friction_adapter.map_file import add_map_argument
 from friction_bags.bag_vehicle import CAR_OTHERWISE
 from friction_bags.progress_bars import bars
-from friction_fleet.dataset import FAILED, KILLED, Dataset
+from friction_fleet.dataset import DUPLICATE, FAILED, KILLED, OK, Dataset
 from friction_fleet.settings import Settings
 from friction_fleet.task import OtherCodeError, Task, blank_row, process
 from friction_parameters.command_line import UserError, count, positive
@@ -85,7 +85,7 @@ def run(options: Namespace) -> int:
     seconds = perf_counter() - begun
     kinds = ", ".join(f"{number} {status}" for status, number in sorted(counts.items()))
     print(f"{kinds}; {seconds:.1f} s, {len(tasks.left) / seconds:.2f} bags a second")
-    return int(bool(set(counts) - {"ok", "duplicate"}))
+    return int(bool(set(counts) - {OK, DUPLICATE}))
 
 
 @dataclass(frozen=True)

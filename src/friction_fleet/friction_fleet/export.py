@@ -10,12 +10,11 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import h3.api.numpy_int as h3
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from friction_fleet.cells import centre, neighbours, outline
+from friction_fleet.cells import centre, neighbours, outline, outlines
 from friction_fleet.fusion import SLIPPERY, WARNING, CellFriction
 
 _STAMP = b"stamp"
@@ -65,8 +64,7 @@ def geojson(cells: Sequence[CellFriction], stamp: float) -> dict[str, Any]:
         features.append({"type": "Feature", "geometry": shape, "properties": _shown(cell)})
     for zone in zones(cells):
         properties = {"kind": "temporary slippery road", "below": SLIPPERY, "cells": len(zone)}
-        shape = json.loads(json.dumps(h3.cells_to_geo(zone)))
-        features.append({"type": "Feature", "geometry": shape, "properties": properties})
+        features.append({"type": "Feature", "geometry": outlines(zone), "properties": properties})
     return {"type": "FeatureCollection", "stamp": _iso(stamp), "features": features}
 
 

@@ -28,6 +28,7 @@ from scipy.special import ndtr
 
 from friction_fleet.cells import SPACING, neighbours
 from friction_fleet.evidence import Evidence
+from friction_grip.road_memory import PROOF_SIGMAS
 from friction_grip.road_prior import GRID, RoadPrior
 
 Array = NDArray[np.float64]
@@ -44,8 +45,6 @@ BETWEEN_TYRES = 0.08
 """Deviation of the friction of tyres on one road, relative."""
 _WRONG = 0.02
 """Share of evidence that is wrong or of another place."""
-_PROOF = 2.58
-"""Deviations by which a proof is below the friction in use, as of friction_grip: 99.5 %."""
 SLIPPERY = 0.4
 """Friction of a road below which it is slippery: snow and ice."""
 WARNING = 0.5
@@ -119,7 +118,7 @@ class FrictionMap:
             density = density * _of_fit(evidence)
         else:
             cell.passes += 1
-            proven = evidence.mu - _PROOF * evidence.stddev
+            proven = evidence.mu - PROOF_SIGMAS * evidence.stddev
             before, at = cell.proofs.get(evidence.vehicle, (0.0, evidence.stamp))
             is_news = proven > before or self._unchanged(at, evidence.stamp) < _FORGOTTEN
             if self._use_bounds and is_news and proven > GRID[0]:

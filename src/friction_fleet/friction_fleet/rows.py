@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 from friction_bags.results.braking_rows import CAR, BrakingRow, Part, braking_rows
 from friction_bags.results.recorded_run import RecordedRun, Series
 from friction_fleet.places import NOWHERE, Places
+from friction_grip.road_memory import PROOF_SIGMAS
 from vehicle_models.nanoseconds import NANOSECONDS
 
 Row = dict[str, Any]
 _PARTS = ("vehicle", "front", "rear")
-_PROOF = 2.58
-"""Deviations by which a proof is below the friction in use, as of friction_grip: 99.5 %."""
 _MEAN = 0.2
 """Time of which friction in use is the mean [s]."""
 _QUANTITIES = ("mu_used", "mu_used_stddev", "lambda_max", "lambda_max_stddev", "valid")
@@ -65,7 +64,7 @@ def rows_of_bounds(run: RecordedRun, places: Places, key: str, vehicle: str) -> 
     cells = places.cells(stamps)
     used = np.array([grip[f"{part}.mu_used"] for part in _PARTS])
     stddev = np.array([grip[f"{part}.mu_used_stddev"] for part in _PARTS])
-    proof = np.where(np.isfinite(used + stddev), used - _PROOF * stddev, -np.inf)
+    proof = np.where(np.isfinite(used + stddev), used - PROOF_SIGMAS * stddev, -np.inf)
     borders = np.flatnonzero(np.diff(cells)) + 1
     made = []
     for visit in np.split(np.arange(cells.size), borders):
@@ -129,7 +128,7 @@ def _contradicted(run: RecordedRun, peak: float, stddev: float, at: float) -> bo
         return False
     then = (grip.time > at - _MEAN) & (grip.time <= at)
     used, of_used = grip["vehicle.mu_used"][then], grip["vehicle.mu_used_stddev"][then]
-    return bool(np.any(used - peak > _PROOF * np.hypot(of_used, stddev)))
+    return bool(np.any(used - peak > PROOF_SIGMAS * np.hypot(of_used, stddev)))
 
 
 def _microseconds(stamp: int) -> int:

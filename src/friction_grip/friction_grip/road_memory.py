@@ -29,7 +29,7 @@ _SEGMENT: Final = 2.0
 """Length of a segment [m]."""
 _SEGMENTS: Final = 48
 """Hypotheses that are kept; the two neighbours that differ least are joined."""
-_SIGMAS: Final = 2.58
+PROOF_SIGMAS: Final = 2.58
 """Deviations by which a proof is below the friction in use: 99.5 % on one side."""
 _NO_PROOF: Final = 0.02
 """Deviation of the friction 0 that stands where nothing is proven."""
@@ -132,10 +132,10 @@ class RoadMemory:
 
     def prove(self, mu: float, stddev: float, stamp: int) -> None:
         """Take friction in use, with its deviation, at a stamp [ns]."""
-        bound = mu - _SIGMAS * stddev
+        bound = mu - PROOF_SIGMAS * stddev
         if bound <= 0.0:
             return
-        more = bound > self._proven - _SIGMAS * self._stddev
+        more = bound > self._proven - PROOF_SIGMAS * self._stddev
         self._proven[more], self._stddev[more] = mu, stddev
         while self._proofs and self._proofs[-1].mu <= bound:
             self._proofs.pop()

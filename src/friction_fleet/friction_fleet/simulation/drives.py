@@ -21,7 +21,7 @@ from corner_sim.car.driving import Cycling, OrdinaryDriver, SlipCycle, Surroundi
 from corner_sim.car.measured_car import MeasuredCar
 from corner_sim.car.random_car import RandomCar, random_car
 from corner_sim.car.tyres import BRUSH_TYRES, TYRES, Scaled, Tyre
-from friction_fleet.simulation.town import BLOCK, START, Street, Town, place
+from friction_fleet.simulation.town import METRES_PER_DEGREE, START, Street, Town, along, place
 from friction_runtime.messages import header_at
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -40,7 +40,6 @@ _TRACTION, _CURVES = 0.5, 0.4
 """Shares of the friction that engine and curves may take."""
 _FIX_PERIOD, _FIX_STDDEV = 1.0, 2.0
 """Of the satellite receiver [s], [m]."""
-_METRES_PER_DEGREE = 111_195.0
 
 
 @dataclass(frozen=True)
@@ -168,23 +167,16 @@ def _car(job: DriveJob) -> tuple[RandomCar, _Tyres]:
 
 
 def _road(town: Town, way: list[tuple[Street, bool]], distance: float, hour: float) -> tuple[str, float]:
-    return town.road(*_on(way, distance), hour)
-
-
-def _on(way: list[tuple[Street, bool]], distance: float) -> tuple[Street, float]:
-    """Return the street at a distance [m] from the start, and the place along it [m]."""
-    number, offset = divmod(distance, BLOCK)
-    street, forwards = way[int(number)]
-    return street, offset if forwards else BLOCK - offset
+    return town.road(*along(way, distance), hour)
 
 
 def _fix(stamp: int, way: list[tuple[Street, bool]], distance: float, rng: np.random.Generator) -> NavSatFix:
-    latitude, longitude = place(*_on(way, distance))
+    latitude, longitude = place(*along(way, distance))
     north, east = rng.normal(0.0, _FIX_STDDEV, 2).tolist()
     fix = NavSatFix(header=header_at(stamp, "gnss"))
     fix.status.status = NavSatStatus.STATUS_FIX
-    fix.latitude = latitude + north / _METRES_PER_DEGREE
-    fix.longitude = longitude + east / (_METRES_PER_DEGREE * cos(radians(latitude)))
+    fix.latitude = latitude + north / METRES_PER_DEGREE
+    fix.longitude = longitude + east / (METRES_PER_DEGREE * cos(radians(latitude)))
     fix.position_covariance = [_FIX_STDDEV**2, 0.0, 0.0, 0.0, _FIX_STDDEV**2, 0.0, 0.0, 0.0, 100.0]
     fix.position_covariance_type = NavSatFix.COVARIANCE_TYPE_KNOWN
     return fix

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, radians
@@ -25,7 +26,7 @@ ORIGIN = 48.1, 11.5
 BLOCK = 400.0
 """Length of a street [m]."""
 _NODES = 3
-_METRES_PER_DEGREE = 111_195.0
+METRES_PER_DEGREE = 111_195.0
 _POINTS = 2.0
 """Distance of the points at which the truth is taken [m]."""
 DRY = 0.95, 1.15
@@ -124,5 +125,12 @@ def place(street: Street, offset: float) -> tuple[float, float]:
     """Return latitude and longitude [deg] of a place, `offset` [m] along a street."""
     (x0, y0), (x1, y1) = street
     east, north = ((a * BLOCK + offset * (b - a)) for a, b in ((x0, x1), (y0, y1)))
-    latitude = ORIGIN[0] + north / _METRES_PER_DEGREE
-    return latitude, ORIGIN[1] + east / (_METRES_PER_DEGREE * cos(radians(ORIGIN[0])))
+    latitude = ORIGIN[0] + north / METRES_PER_DEGREE
+    return latitude, ORIGIN[1] + east / (METRES_PER_DEGREE * cos(radians(ORIGIN[0])))
+
+
+def along(way: Sequence[tuple[Street, bool]], distance: float) -> tuple[Street, float]:
+    """Return the street at a distance [m] from the start of a way, and the place along it [m]."""
+    number, offset = divmod(distance, BLOCK)
+    street, forwards = way[int(number)]
+    return street, offset if forwards else BLOCK - offset

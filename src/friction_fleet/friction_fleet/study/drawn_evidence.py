@@ -11,7 +11,8 @@ import numpy as np
 from friction_fleet.cells import cell_of
 from friction_fleet.evidence import Evidence
 from friction_fleet.simulation.drives import BETWEEN_TYRES, HARD
-from friction_fleet.simulation.town import BLOCK, START, Town, place
+from friction_fleet.simulation.town import START, Town, along, place
+from friction_grip.road_memory import PROOF_SIGMAS
 
 _STEP = 5.0
 """Distance of the points of a way [m]."""
@@ -59,9 +60,7 @@ def _drive(town: Town, rng: np.random.Generator, vehicle: str, tyre: float, seco
             until, passed = distance + _BRAKING, False
             next_braking = until + float(rng.exponential(_BRAKINGS))
         demand = asked if distance < until else float(rng.exponential(_USE))
-        street, forwards = way[int(distance // BLOCK)]
-        offset = distance % BLOCK
-        offset = offset if forwards else BLOCK - offset
+        street, offset = along(way, distance)
         friction = tyre * town.road(street, offset, hour + distance / _SPEED / 3600.0)[1]
         cell, stamp = cell_of(*place(street, offset)), START + 3600.0 * hour + distance / _SPEED
         used = max(min(demand, friction) + bias, 0.0)
@@ -75,6 +74,6 @@ def _drive(town: Town, rng: np.random.Generator, vehicle: str, tyre: float, seco
     bounds = [
         Evidence(cell, stamp, vehicle, used, _STDDEV, False)
         for cell, (used, stamp) in uses.items()
-        if used > 2.58 * _STDDEV and cell not in fits
+        if used > PROOF_SIGMAS * _STDDEV and cell not in fits
     ]
     return [*fits.values(), *bounds]
