@@ -4,7 +4,6 @@ The car of the demo brakes to standstill with the graph in the loop, once for ea
 then made with several seeds of their noise. The estimator is that of the node with the calibration that is shipped.
 """
 
-from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -14,18 +13,18 @@ from friction_msgs.msg import TyreForce, TyreSignals
 from numpy.typing import NDArray
 from rich.progress import Progress
 from sensor_msgs.msg import FluidPressure, Imu
-from std_msgs.msg import Header
 
 from benchmarks.closed_loop import loop_parameters, take_sample
 from benchmarks.runner import Row, at_least, at_most
 from corner_sim.car_plant import CarModelParameters, in_order
 from corner_sim.parameters import SimParameters
+from corner_sim.ros.messages import tyre_signals
 from corner_sim.ros.simulation import Simulation
 from corner_sim.smart_tyre.tyre_signal import TyreSignalSource
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, make_processors
 from friction_bringup.demo_drive import plant_of_demo
 from friction_bringup.graph import PLANT, plant_calibration
-from friction_runtime.messages import from_nanoseconds, to_nanoseconds
+from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import ProcessorGraph, silent
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.parameters import SmartTyreParameters
@@ -141,17 +140,7 @@ def _messages(
             sensed += 1
         at = (first + np.arange(_BLOCK)) / _RATE
         block = source.advance(*(np.interp(at, time, each) for each in (turning, fx, fz)))
-        yield (
-            f"{wheel}/tyre_signals",
-            TyreSignals(
-                header=Header(stamp=from_nanoseconds(stamp), frame_id=wheel),
-                wheel=wheel,
-                sample_rate=_RATE,
-                first_sample=first,
-                encoder_voltage=array("f", block.encoder_voltage.tobytes()),
-                radial_acceleration=array("f", block.radial_acceleration.tobytes()),
-            ),
-        )
+        yield from tyre_signals(stamp, [wheel], [block], 0.0)
 
 
 def rows(seeds: range, progress: Progress, roads: Sequence[str] = ROADS) -> Iterator[Row]:

@@ -44,20 +44,20 @@ class Reference:
         """Whether the car has the wheels of which it is known who brakes and who drives."""
         return len(self._car.wheels) == 4 and any(wheel.driven for wheel in self._car.wheels)
 
-    def share(self, speed: float, acceleration: float, pressures: Mapping[str, float]) -> float | None:
-        """Return Fx of the wheel [N], forward positive; None in braking where a pressure is not known.
+    def share(self, speed: float, acceleration: float, torques: Mapping[str, float]) -> float | None:
+        """Return Fx of the wheel [N], forward positive; None in braking where a torque is not known.
 
         Args:
             speed: of the car [m/s].
             acceleration: of the car [m/s^2], forward positive.
-            pressures: of the brakes by the wheel [Pa]; those that are not known are missing.
+            torques: of the brakes by the wheel [N m]; those that are not known are missing.
         """
         free = wheel_forces(self._car, speed, acceleration)
         rear = self._axle == REAR
         braking = self._car.mass * acceleration + float(drag(self._car, speed)) + 2.0 * self._rolling(free)
         if braking >= 0.0:
             return float(free.fx_rear if rear else free.fx_front)
-        forces = {w.name: w.brake_gain / w.radius * pressures.get(w.name, nan) for w in self._car.wheels}
+        forces = {w.name: torques.get(w.name, nan) / w.radius for w in self._car.wheels}
         total = sum(forces.values())
         if not total > 0.0:
             return None

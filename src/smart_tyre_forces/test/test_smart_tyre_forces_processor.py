@@ -214,8 +214,9 @@ def _fields(message: TyreSignals) -> dict[str, Any]:
 def test_braked_wheels_share_by_gain_times_pressure(rear: float, share: float) -> None:
     """By the gains alone where the pressures are alike; ABS or a slow rise make them differ."""
     pressures = {wheel: 6e6 if wheel.startswith("front") else rear for wheel in CAR.wheel_names}
+    torques = {wheel: CAR.wheel(wheel).brake_gain * pressure for wheel, pressure in pressures.items()}
     references = {wheel: Reference(CAR, CAR.wheel(wheel)) for wheel in CAR.wheel_names}
-    forces = {wheel: reference.share(20.0, -5.0, pressures) for wheel, reference in references.items()}
+    forces = {wheel: reference.share(20.0, -5.0, torques) for wheel, reference in references.items()}
     sum_of = wheel_forces(CAR, 20.0, -5.0)
     assert sum(force for force in forces.values() if force) == pytest.approx(2.0 * (sum_of.fx_front + sum_of.fx_rear))
     rolling = CAR.rolling_resistance * float(sum_of.fz_front)
@@ -225,7 +226,7 @@ def test_braked_wheels_share_by_gain_times_pressure(rear: float, share: float) -
 
 def test_share_of_a_braked_wheel_is_not_known_without_the_pressures_of_all() -> None:
     reference = Reference(CAR, CAR.wheel("front_left"))
-    assert reference.share(20.0, -5.0, {"front_left": 5e6}) is None
+    assert reference.share(20.0, -5.0, {"front_left": 500.0}) is None
     assert reference.share(20.0, 1.0, {}) == pytest.approx(float(wheel_forces(CAR, 20.0, 1.0).fx_front))
 
 

@@ -15,6 +15,7 @@ from std_msgs.msg import Header
 from friction_runtime.aligned_processor import Primary
 from friction_runtime.messages import from_nanoseconds, to_nanoseconds
 from friction_runtime.processor import Health, Level, Output, Report, level_of, silent
+from friction_runtime.wheel_inputs import BrakeTorque
 from smart_tyre_forces.calibration import Calibration
 from smart_tyre_forces.car_reference import Reference
 from smart_tyre_forces.correction import Patch, PatchCorrection
@@ -28,7 +29,7 @@ from smart_tyre_forces.ros import messages
 from smart_tyre_forces.tooth_table import ToothTable
 from smart_tyre_forces.tyre_comparison import TyreComparison
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, HIGHEST_PRESSURE, LATEST_STAMP, NEW_RUN
+from vehicle_models.physical_bounds import HIGHEST_ACCELERATION, LATEST_STAMP, NEW_RUN
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
@@ -72,8 +73,8 @@ class TyreProcessor:
         self._template = _template(parameters, calibration)
         self._wheel_calibration = None if calibration is None else calibration.wheels.get(wheel)
         self._tyre = None if calibration is None or self._wheel_calibration is None else calibration.tyre
-        self._brakes = {} if self._tyre is None else {f"{name}/brake_pressure": name for name in vehicle.wheel_names}
-        self._pressure_delay = round(vehicle.brake_pressure_delay * NANOSECONDS)
+        brakes = () if self._tyre is None else ((BrakeTorque(vehicle, name), name) for name in vehicle.wheel_names)
+        self._brakes = {brake.topic: (brake, name) for brake, name in brakes}
         self.sensors: Mapping[str, type] = dict.fromkeys(self._brakes, FluidPressure)
         if self._tyre is not None:
             self.sensors = {_ACCELERATION: Imu, **self.sensors}
@@ -97,7 +98,7 @@ class TyreProcessor:
         self._tracker = PatchTracker(self._wheel, self._p.tracker, self._table, refiner)
         self._correction = PatchCorrection(self._tyre, self._wheel.radius, self._p.tracker.sample_rate, self._p.zero)
         self._accelerations = LateSignal()
-        self._pressures = {wheel: LateSignal() for wheel in self._brakes.values()}
+        self._torques = {wheel: LateSignal() for _, wheel in self._brakes.values()}
         self._watch_again()
         self._last_stamp: int | None = None
         self._patch: Patch | None = None
@@ -125,7 +126,7 @@ class TyreProcessor:
             self._note_acceleration(message)
             return []
         if topic in self._brakes:
-            self._note_pressure(self._brakes[topic], message)
+            self._note_pressure(*self._brakes[topic], message)
             return []
         self._note_first()
         stamp = to_nanoseconds(message.header.stamp)
@@ -154,10 +155,10 @@ class TyreProcessor:
         if isfinite(value) and abs(value) < HIGHEST_ACCELERATION and 0 < stamp <= LATEST_STAMP:
             self._accelerations.take(stamp, value)
 
-    def _note_pressure(self, wheel: str, message: FluidPressure) -> None:
-        stamp = to_nanoseconds(message.header.stamp) - self._pressure_delay
-        if abs(message.fluid_pressure) <= HIGHEST_PRESSURE and 0 < stamp <= LATEST_STAMP:
-            self._pressures[wheel].take(stamp, message.fluid_pressure)
+    def _note_pressure(self, brake: BrakeTorque, wheel: str, message: FluidPressure) -> None:
+        read = brake.read(message)
+        if not isinstance(read, str) and 0 < read[0] <= LATEST_STAMP:
+            self._torques[wheel].take(*read)
 
     def _note_first(self) -> None:
         """Report what is missing once there are signals: a wheel without any is not a smart tyre, which is no fault."""
@@ -233,11 +234,11 @@ class TyreProcessor:
             if acceleration is None or self._gains is None:
                 continue
             steady = steady_force(self._tyre, self._wheel_calibration, past.speed, zero_speed)
-            known = {wheel: signal.at(when) for wheel, signal in self._pressures.items()}
-            pressures = {wheel: pressure for wheel, pressure in known.items() if pressure is not None}
+            known = {wheel: signal.at(when) for wheel, signal in self._torques.items()}
+            torques = {wheel: torque for wheel, torque in known.items() if torque is not None}
             share = None
             if self._reference.has_share:
-                share = self._reference.share(past.speed, acceleration, pressures)
+                share = self._reference.share(past.speed, acceleration, torques)
             since = min(max(when - self._learned, 0) / NANOSECONDS, _LONGEST_STEP)
             self._gains.see(past, acceleration, share, steady, zero_speed, since)
             self._learned = when
