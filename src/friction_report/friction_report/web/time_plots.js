@@ -102,11 +102,13 @@ function joinedColumns(lines) {
   return { time: data[0], columns };
 }
 
+/** Decimals of a line's values. */
+const digitsOf = (line) => Math.round(Math.log10(line.unit));
+
 const linesOf = (panel) => panel.lines ?? drive.lines.filter((line) => line.panel === panel.key);
 
 function linePanel(panel, box, width, notes) {
   const lines = linesOf(panel).sort((a, b) => KINDS.indexOf(a.kind) - KINDS.indexOf(b.kind));
-  const digitsOf = (line) => Math.round(Math.log10(line.unit));
   const { time, columns } = joinedColumns(lines);
   const series = [{ label: "t [s]", value: (_, t) => number(t, 3) }], bands = [];
   columns.forEach(({ line }, i) => {
@@ -177,7 +179,7 @@ function lineTable(panel, lines) {
 
 /** The last value of a line up to a time with its interval as text, null where there is none. */
 function at(line, time) {
-  const i = lastNotAfter(times[line.t], time), digits = Math.round(Math.log10(line.unit));
+  const i = lastNotAfter(times[line.t], time), digits = digitsOf(line);
   if (i < 0 || line.v[i] === null || (i === line.v.length - 1 && time > times[line.t][i] + 1e-4)) return null;
   const text = (v) => number(v / line.unit, digits);
   const band = line.band && line.band[0][i] !== null ? `${text(line.band[0][i])} to ${text(line.band[1][i])}` : "";
@@ -186,7 +188,7 @@ function at(line, time) {
 
 /** Value and interval of a line at the picked time; the least and the greatest value of the time that is shown. */
 function statistics(line) {
-  const found = at(line, state.picked), time = times[line.t], digits = Math.round(Math.log10(line.unit));
+  const found = at(line, state.picked), time = times[line.t], digits = digitsOf(line);
   let least = Infinity, greatest = -Infinity;
   for (let i = firstFrom(time, state.shown[0]); i < time.length && time[i] <= state.shown[1]; i++) {
     if (line.v[i] === null) continue;
