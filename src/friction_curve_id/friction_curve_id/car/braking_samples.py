@@ -18,6 +18,9 @@ class BrakingSamples:
         self._acceleration = np.zeros(capacity)
         self._speed_change = np.zeros(capacity)
         self._closed = np.zeros(capacity)
+        self._yaw_rate = np.zeros(capacity)
+        self._across = np.zeros((wheels, capacity))
+        self._rolled = np.zeros(capacity)
         self.count = 0
 
     @property
@@ -55,6 +58,30 @@ class BrakingSamples:
         """1 where the throttle is closed, shape (n,)."""
         return self._closed[: self.count]
 
+    @property
+    def yaw_rate(self) -> Array:
+        """Yaw rates, counter-clockwise [rad/s], shape (n,)."""
+        return self._yaw_rate[: self.count]
+
+    @property
+    def across(self) -> Array:
+        """Lateral forces of the wheels' axles over the mass of the car [m/s^2], shape (W, n)."""
+        return self._across[:, : self.count]
+
+    @property
+    def rolled(self) -> Array:
+        """Lateral accelerations whose steady load transfer acts [m/s^2], shape (n,)."""
+        return self._rolled[: self.count]
+
+    def turn(self, yaw_rate: float, across: Array, rolled: float) -> None:
+        """Add the motion across the car to the newest sample, which has none."""
+        k = self.count - 1
+        self._yaw_rate[k], self._across[:, k], self._rolled[k] = yaw_rate, across, rolled
+
+    def straighten(self) -> None:
+        """Forget the motion across the car."""
+        self._yaw_rate[:] = self._across[:] = self._rolled[:] = 0.0
+
     def clear(self) -> None:
         """Forget all samples."""
         self.count = 0
@@ -73,6 +100,7 @@ class BrakingSamples:
             self._work[:, k] = self._work[:, k - 1] + done
         self._acceleration[k] = acceleration
         self._closed[k] = closed
+        self._yaw_rate[k] = self._across[:, k] = self._rolled[k] = 0.0
         self._speed_change[k] = gained + (self._speed_change[k - 1] if k > 0 else 0.0)
         self.count = k + 1
 
@@ -83,7 +111,7 @@ class BrakingSamples:
     def drop_oldest(self, number: int) -> None:
         """Forget the oldest samples."""
         keep = self.count - number
-        arrays = (self._time, self._acceleration, self._speed_change, self._closed)
-        for array in (*arrays, self._wheel_speed, self._torque, self._work):
+        arrays = (self._time, self._acceleration, self._speed_change, self._closed, self._yaw_rate, self._rolled)
+        for array in (*arrays, self._wheel_speed, self._torque, self._work, self._across):
             array[..., :keep] = array[..., number : self.count].copy()
         self.count = keep

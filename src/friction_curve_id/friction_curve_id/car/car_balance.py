@@ -1,6 +1,6 @@
 """The accelerometer as the sum of the forces of the wheels, in means over blocks of 40 ms.
 
-    (a - b) / (1 + c) + sum of (J omega_dot + kappa T + T_drag) / (r m) + f_r g + drag v^2 / m = 0
+    (a - b) / (1 + c) + sum of (J omega_dot + kappa T + T_drag) / (r m) + f_r g + drag v^2 / m + F_y steering / m = 0
 
 Sample by sample the noise of the wheel speeds would drag the mass along with it.
 """
@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 _BLOCK = 0.04
 _STDDEV = 0.05
 """Of a mean [m/s^2]."""
+_OF_CORNERING = 0.3
+"""Relative deviation of the drag of steered wheels: by what is not known of their slip angles [-]."""
 OF_TORQUE = (
     Unknown.LOG_GAIN_FRONT,
     Unknown.LOG_GAIN_REAR,
@@ -30,7 +32,13 @@ OF_TORQUE = (
 
 
 def car_balance(
-    car: CarConstants, nodes: Nodes, moved: Motion, acting: Array, acting_jacobian: Array, unknowns: Array
+    car: CarConstants,
+    nodes: Nodes,
+    moved: Motion,
+    across: Array | None,
+    acting: Array,
+    acting_jacobian: Array,
+    unknowns: Array,
 ) -> tuple[Array, Array]:
     """Return the errors of the blocks in standard deviations, shape (B,), and their Jacobian, (B, SHARED + W).
 
@@ -41,6 +49,7 @@ def car_balance(
         car: nominal values.
         nodes: measured signals.
         moved: their motion.
+        across: lateral slips of the tyres [-], shape (W, n); None: the car goes straight.
         acting: torque of brake and engine [N m], shape (W, n).
         acting_jacobian: its derivatives by OF_TORQUE, shape (W, n, 5).
         unknowns: shape (SHARED + W,).
@@ -63,6 +72,11 @@ def car_balance(
     corrected = nodes.acceleration + p[Unknown.ACCELEROMETER_DELAY] * rate
     corrected = (corrected - p[Unknown.ACCELEROMETER_OFFSET] + p[Unknown.PITCH_READING] * moved.pitch.pitch) / scale
     error = corrected + spinning + torques + car.rolling * GRAVITY + car.drag / mass * moved.speed**2
+    stddev = np.full(n, _STDDEV)
+    if across is not None:
+        cornering = _cornering(car, nodes, moved, across)
+        error += cornering
+        stddev = np.hypot(_STDDEV, _OF_CORNERING * cornering)
     jacobian = np.zeros((n, p.size))
     jacobian[:, Unknown.ACCELEROMETER_OFFSET] = -1.0 / scale
     jacobian[:, Unknown.ACCELEROMETER_SCALE] = -corrected / scale
@@ -75,4 +89,12 @@ def car_balance(
         jacobian[:, unknown] = of_torque[:, column]
     means = error[first:].reshape(blocks, size).mean(axis=1)[complete]
     rows = jacobian[first:].reshape(blocks, size, p.size).mean(axis=1)[complete]
-    return means / _STDDEV, rows / _STDDEV
+    stddev = stddev[first:].reshape(blocks, size).mean(axis=1)[complete]
+    return means / stddev, rows / stddev[:, np.newaxis]
+
+
+def _cornering(car: CarConstants, nodes: Nodes, moved: Motion, across: Array) -> Array:
+    """Deceleration by the lateral force of the front wheels, which are steered [m/s^2], shape (n,)."""
+    path = car.wheelbase * np.abs(nodes.yaw_rate) / moved.speed
+    steering = path + across[car.front_wheel] - across[car.rear_wheel]
+    return np.asarray(np.abs(nodes.across[car.front_wheel]) * steering)

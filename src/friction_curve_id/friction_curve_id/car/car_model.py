@@ -52,10 +52,18 @@ class CarConstants:
         self.driven = np.array([float(wheel.driven) for wheel in wheels]).reshape(column)
         self.front = np.array([float(wheel.axle == FRONT) for wheel in wheels]).reshape(column)
         self.left = np.array([1.0 if wheel.side == "left" else -1.0 for wheel in wheels]).reshape(column)
+        places = [(wheel.axle, wheel.side) for wheel in wheels]
+        others = {"left": "right", "right": "left"}
+        self.partner = [places.index((axle, others[side])) for axle, side in places] if len(wheels) == 4 else []
+        """Other wheel of the axle of each wheel, by index; empty where not all four wheels are measured."""
+        self.front_wheel, self.rear_wheel = int(np.argmax(self.front)), int(np.argmin(self.front))
+        self.half_track, self.wheelbase = 0.5 * vehicle.track, vehicle.wheelbase
         self.teeth = np.array([wheel.encoder_teeth for wheel in wheels], dtype=float).reshape(column)
         share, transfer = np.array(vehicle.load_shares), np.array(vehicle.transfer_shares)
         self.transfer = transfer[list(present)].reshape(column)
         nominal = share[list(present)].reshape(column)
+        self.roll = -self.left * nominal * (2.0 * vehicle.centre_of_gravity_height / vehicle.track)
+        """Change of the shares of the load by lateral acceleration to the left."""
         one_axle = all(wheel.axle == FRONT for wheel in vehicle.wheels)
         count = np.array([sum(each.axle == wheel.axle for each in vehicle.wheels) for wheel in wheels], dtype=float)
         sign = np.where(self.front > 0.0, 1.0, -1.0) / count.reshape(column)
@@ -95,6 +103,12 @@ class Nodes:
     """Whether the wheel turns: the brake of a locked one does not act with its torque. Shape (W, n)."""
     work: Array
     """Work of the brakes at nominal gain [J], shape (W, n)."""
+    yaw_rate: Array
+    """Counter-clockwise [rad/s], shape (n,); zero where it is not measured."""
+    across: Array
+    """Lateral force of the wheel's axle over the mass of the car, to the left [m/s^2], shape (W, n)."""
+    rolled: Array
+    """Lateral acceleration whose steady load transfer acts [m/s^2], shape (n,)."""
     spread: float
     """Share of its second difference that a torque's mean between the wheel speeds has more than its node [-]."""
 
@@ -114,6 +128,9 @@ class Nodes:
             self.closed[nodes],
             self.turning[:, nodes],
             self.work[:, nodes],
+            self.yaw_rate[nodes],
+            self.across[:, nodes],
+            self.rolled[nodes],
             self.spread,
         )
 
@@ -190,7 +207,7 @@ def speeds(nodes: Nodes, unknowns: Array, pitch: Array, pitched: float) -> tuple
     return np.maximum(speed, _LEAST_SPEED), gradient
 
 
-def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -> Motion:
+def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried, across: Array | None = None) -> Motion:
     """Return the motion.
 
     Args:
@@ -198,12 +215,17 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
         nodes: measured signals.
         unknowns: shape (SHARED + W,).
         carried: state that older nodes left.
+        across: lateral slips s_y of the tyres [-], shape (W, n); None: the car goes straight.
     """
     p, wheels, n = unknowns, car.wheels, nodes.time.size
     force = -(nodes.acceleration - p[Unknown.ACCELEROMETER_OFFSET]) / (1.0 + p[Unknown.ACCELEROMETER_SCALE])
     pitch = pitch_of_body(force, float(np.median(nodes.interval)), p, carried.pitch or _at_rest(force))
     speed, gradient = speeds(nodes, p, pitch.pitch, carried.pitched)
-    rolling = car.radius * nodes.wheel_speed / speed
+    ground = speed - car.left * car.half_track * nodes.yaw_rate
+    if across is not None:
+        ground += car.front * speed * _steered(car, nodes, speed, across)
+    ground = np.maximum(ground, _LEAST_SPEED)
+    rolling = car.radius * nodes.wheel_speed / ground
     slip = 1.0 - rolling + p[SHARED:, np.newaxis] + car.left * (p[Unknown.CURVE] + p[Unknown.CURVE_RATE] * nodes.time)
 
     interval = np.diff(nodes.time)
@@ -213,7 +235,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     mean_decay = -np.expm1(-x) / x
     before, after = mean_decay - keep, 1.0 - mean_decay
     inputs = np.empty((7 * wheels + 2, n))
-    slip_by_speed = rolling / speed
+    slip_by_speed = rolling / ground
     inputs[:wheels] = slip
     inputs[wheels : 7 * wheels] = (gradient[:, np.newaxis, :] * slip_by_speed).reshape(6 * wheels, n)
     inputs[7 * wheels] = 1.0
@@ -237,7 +259,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     mass = car.mass * exp(float(p[Unknown.LOG_MASS]))
     height = car.transfer * exp(float(p[Unknown.LOG_HEIGHT_RATIO]))
     share = car.share_fixed + car.share_sign * p[Unknown.FRONT_LOAD_SHARE]
-    load_by_height = mass * height * pitch.load
+    load_by_height = mass * height * pitch.load + mass * exp(float(p[Unknown.LOG_HEIGHT_RATIO])) * car.roll * nodes.rolled
     load = np.maximum(mass * GRAVITY * share + load_by_height, 1.0)
     return Motion(
         speed,
@@ -257,6 +279,15 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
         pitch,
         immediate,
     )
+
+
+def _steered(car: CarConstants, nodes: Nodes, speed: Array, across: Array) -> Array:
+    """Speed of the front wheels along their planes over that of the car, less 1, shape (n,).
+
+    Their axle moves ahead of the rear one by the path's curvature, and they roll under their slip angle to it.
+    """
+    heading = car.wheelbase * np.abs(nodes.yaw_rate) / speed - across[car.rear_wheel]
+    return np.asarray(0.5 * (heading**2 - across[car.front_wheel] ** 2))
 
 
 def brake_gains(car: CarConstants, nodes: Nodes, unknowns: Array) -> Array:

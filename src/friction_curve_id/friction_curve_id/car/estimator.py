@@ -27,6 +27,7 @@ from friction_curve_id.car.evidence import (
 )
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
+from friction_curve_id.car.lateral_motion import LateralMotion
 from friction_curve_id.car.new_road import NewRoad, axle_on_new_road, friction_there, silenced, told_of_roads
 from friction_curve_id.car.node_signals import Start, delayed, node_signals, rolling_noise
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
@@ -95,6 +96,7 @@ class CarEstimator:
         self._radii = np.array(vehicle.radii)
         self._gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
         self._cause = RestartCause.NONE
+        self._lateral = LateralMotion(vehicle)
         self._begin_again(())
 
     def reset(self) -> None:
@@ -126,6 +128,8 @@ class CarEstimator:
             return (Refusal(Reason.BAD_INPUT, "no wheel has both a speed and a brake pressure"),) * count
         if self._braking and self._with_accelerometer and not isfinite(checked.acceleration):
             return (Refusal(Reason.NO_ACCELERATION, "acceleration is missing: check imu/data"),) * count
+        if self._braking and self._lateral_at is not None and not isfinite(checked.yaw_rate):
+            return (Refusal(Reason.NO_ACCELERATION, "yaw rate or lateral acceleration is missing: check imu/data"),) * count
         answer = self._take(checked)
         if isinstance(answer, Refusal):
             return (answer,) * count
@@ -150,6 +154,9 @@ class CarEstimator:
         self._gathered_turn = np.zeros(len(index))
         self._gained = 0.0
         self._last: Checked | None = None
+        self._lateral.reset()
+        self._lateral_at: float | None = None
+        """Speed at the begin of the braking [m/s]; None where the motion across the car is not measured."""
         if present:
             self._car = CarConstants(self._vehicle, present)
             self._per_torque = 1.0 / (self._radii[index] * self._car.mass * self._car.carried_share)
@@ -171,6 +178,9 @@ class CarEstimator:
             acceleration = -float(self._per_torque @ (self._car.inertia[:, 0] * growth + mean_torque))
         before = acceleration if last is None or not isfinite(last.acceleration) else last.acceleration
         self._gained += interval * 0.5 * (acceleration + before if self._with_accelerometer else 2.0 * acceleration)
+        turned = self._lateral.possible and self._with_accelerometer and isfinite(sample.yaw_rate)
+        if turned:
+            self._gained += interval * sample.yaw_rate * self._lateral.sideways
         self._gathered_time += interval
         self._gathered_turn += interval * speed
         self._last = sample._replace(acceleration=acceleration)
@@ -179,7 +189,10 @@ class CarEstimator:
             mean = speed
             if self._p.wheel_speed_is_interval_mean and self._gathered_time > 0.0:
                 mean = self._gathered_turn / self._gathered_time
+            before_it = float(self._samples.time[-1]) if self._samples.count else sample.time
             self._keep(sample.time, mean, torque, acceleration)
+            if turned:
+                self._turn_with(sample, sample.time - before_it, speed, torque)
             self._gathered_time, self._gained = 0.0, 0.0
             self._gathered_turn = np.zeros(len(index))
         if float((self._radii[index] * speed).max()) < self._p.minimum_speed and not self._braking:
@@ -206,6 +219,20 @@ class CarEstimator:
             while (samples.count > 1 and time - samples.time[1] > _BEFORE) or samples.count == _CAPACITY:
                 samples.drop_oldest(max(int(np.searchsorted(samples.time, time - _BEFORE)) - 1, 1))
         samples.append(time, speed, torque, acceleration, self._gained, self._braking)
+
+    def _turn_with(self, sample: Checked, interval: float, speed: Array, torque: Array) -> None:
+        """Follow the motion across the car, and add it to the newest sample of the window."""
+        samples, radii = self._samples, self._radii[self._index]
+        car_speed = float((radii * speed).mean())
+        if self._braking:
+            car_speed = max(self._start.speed + float(samples.speed_change[-1]) - self._start.speed_change, 1.0)
+        growth = np.zeros_like(speed)
+        if samples.count > 1 and interval > 0.0:
+            growth = (samples.wheel_speed[:, -1] - samples.wheel_speed[:, -2]) / interval
+        forces = (torque + self._car.inertia[:, 0] * growth) / radii
+        lateral = self._lateral
+        lateral.update(interval, car_speed, sample.yaw_rate, sample.leftward, forces, self._braking)
+        samples.turn(sample.yaw_rate, lateral.across, lateral.rolled)
 
     def _watch_brakes(self, time: float, braking_by: float, speed: Array) -> None:
         """Begin and end brakings."""
@@ -243,11 +270,20 @@ class CarEstimator:
         at_rest = float(samples.acceleration[: max(samples.count // 4, 1)].mean())
         self._start = Start(float(samples.time[0]), rolling, at_rest, float(samples.speed_change[0]))
         self._rolling_noise = rolling_noise(samples.wheel_speed, 0.01)
+        self._lateral_at = None
+        if self._lateral.possible and self._with_accelerometer and self._last is not None:
+            if isfinite(self._last.yaw_rate):
+                self._lateral_at = rolling
+        self._lateral.begin_braking()
+        if self._lateral_at is None:
+            samples.straighten()
         balanced = self._with_accelerometer and len(self._present) == len(self._vehicle.wheels)
         self._fits = [
             CurveFit(
                 self._car,
-                car_prior(self._vehicle, self._present, shape, p.slope_stddev, self._with_accelerometer),
+                car_prior(
+                    self._vehicle, self._present, shape, p.slope_stddev, self._with_accelerometer, self._lateral_at
+                ),
                 family,
                 p.torque_stddev,
                 balanced,
@@ -325,7 +361,7 @@ class CarEstimator:
             if not self._passing.in_window:
                 self._peak = mixture(*found, evidence, self._mu_floor, False, [each.unsettled for each in fits])
             elif len(fits) > 1:  # what is between the samples is known where the formula is
-                self._unresolved = unresolved(fit.moved.relaxed, exp(self._peak.log_lambda_max))
+                self._unresolved = unresolved(fit.tyres.size, exp(self._peak.log_lambda_max))
             if self._passing.seen:
                 self._watch_road(fit, nodes.subset(slice(0, keep)), self._astray.calm(time))
         newest = keep - 1
@@ -344,7 +380,7 @@ class CarEstimator:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
         torque, rate = delayed(self._samples, nodes, self._start, delay)
         mu_max = exp(float(fit.unknowns[Unknown.LOG_MU_MAX]))
-        used, fitted, comparable = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
+        used, fitted, comparable = used_and_fitted(self._car, nodes, fit.moved, fit.tyres, torque, fit.unknowns)
         if self._peak is not None and self._peak.log_mu_stddev < _KNOWN_MU:
             told = told_of_roads(self._car, fit.moved, fitted, mu_max, rate) & (nodes.time >= self._silent_until)
             new_road = axle_on_new_road(self._car, nodes.time, used, fitted, told)
@@ -439,8 +475,11 @@ class CarEstimator:
             log_peaks = [float(fit.unknowns[Unknown.LOG_LAMBDA_MAX]) for fit in self._fits]
             floor = hypot(floor, max(log_peaks) - min(log_peaks))
         changed = float(self._samples.speed_change[-1]) + self._gained
+        yaw_rate = float(self._samples.yaw_rate[-1])
         for weight, fit, (since, changed_then) in zip(peak.weights, self._fits, self._newest, strict=True):
-            slip, probability = present_slip(self._car, fit, time - since, changed - changed_then, speed, factor, floor)
+            slip, probability = present_slip(
+                self._car, fit, time - since, changed - changed_then, speed, yaw_rate, factor, floor
+            )
             mean += weight * slip
             for each in range(wheels):
                 beyond[each] += weight * probability[each]
@@ -460,6 +499,8 @@ class CarEstimator:
             return Reason.UNCERTAIN, f"waiting for {self._earliest_valid} s on the new road"
         if self._astray.unexplained or not self._astray.calm(time):
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says: run vehicle_doctor"
+        if self._lateral_at is not None and self._lateral.slides:
+            return Reason.UNCERTAIN, "the car slides sideways"
         if self._two_roads:
             return Reason.UNCERTAIN, self._two_roads
         if self._move[best] > _SETTLED:

@@ -67,6 +67,7 @@ def node_signals(
         interval[1:] = 0.5 * (step[1:] + step[:-1])
         acceleration, change, closed = samples.acceleration[:-1], samples.speed_change[:-1], samples.closed[:-1]
         work = samples.work[:, :-1]
+        yaw_rate, across, rolled = samples.yaw_rate[:-1], samples.across[:, :-1], samples.rolled[:-1]
         near, far = 7.0 / 12.0, -1.0 / 12.0
     else:
         time, interval = 0.5 * (t[1:] + t[:-1]), step
@@ -74,6 +75,9 @@ def node_signals(
         change = 0.5 * (samples.speed_change[1:] + samples.speed_change[:-1])
         closed = samples.closed[:-1]
         work = 0.5 * (samples.work[:, 1:] + samples.work[:, :-1])
+        yaw_rate = 0.5 * (samples.yaw_rate[1:] + samples.yaw_rate[:-1])
+        across = 0.5 * (samples.across[:, 1:] + samples.across[:, :-1])
+        rolled = 0.5 * (samples.rolled[1:] + samples.rolled[:-1])
         near, far = 0.5, 0.0
     speed = 0.5 * (w[:, 1:] + w[:, :-1])
     speed[:, 1:-1] = near * (w[:, 1:-2] + w[:, 2:-1]) + far * (w[:, :-3] + w[:, 3:])
@@ -109,6 +113,9 @@ def node_signals(
         closed,
         ~_near(standing),
         work,
+        yaw_rate,
+        across,
+        rolled,
         1.0 / 6.0 if counted else 1.0 / 24.0,
     )
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.car_model import CarConstants, Motion, Nodes, brake_gains
-from friction_curve_id.car.curve_family import Family, curve_values
+from friction_curve_id.car.combined_slip import TyreSlips
 from friction_curve_id.car.unknowns import Unknown
 
 Array = NDArray[np.float64]
@@ -35,6 +35,8 @@ _LEAST_TIME = 0.1
 """Least time of what it is compared with [s], of all wheels together."""
 _LEAST_AT_PEAK = 0.04
 """The same near the peak."""
+_LEAST_ALONG = 0.1
+"""Least share of a force along its wheel by which it is found from that [-]."""
 _LEAST_SHARE = 0.4
 """Least share of mu_max at which friction is compared: below, the slope of the curve and the speed decide."""
 _AT_PEAK = 0.9
@@ -50,29 +52,29 @@ _MOST_SPIN = 0.5
 
 
 def used_and_fitted(
-    car: CarConstants, nodes: Nodes, moved: Motion, torque: Array, family: Family, unknowns: Array
+    car: CarConstants, nodes: Nodes, moved: Motion, tyres: TyreSlips, torque: Array, unknowns: Array
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Return friction used, that of the curve at the slips, and where they can be compared; shape (W, n) each.
+
+    In a curve both are those of the whole force, of which the brake shows the part along the wheel.
 
     Args:
         car: nominal values.
         nodes: measured signals.
         moved: their motion.
+        tyres: their slips and frictions.
         torque: brake torque at nominal gain [N m], shape (W, n).
-        family: formula of the curve.
         unknowns: shape (SHARED + W,).
     """
     p = unknowns
-    log_peak = float(p[Unknown.LOG_LAMBDA_MAX])
-    shape = (float(p[Unknown.SHAPE_1]), float(p[Unknown.SHAPE_2]))
-    share = curve_values(family, log_peak, shape, moved.relaxed / exp(log_peak)).value
+    share, along = tyres.curve.value, np.maximum(tyres.along, _LEAST_ALONG)
     inertia = car.inertia * exp(float(p[Unknown.LOG_INERTIA]))
     spinning = inertia * nodes.wheel_acceleration
     acting = brake_gains(car, nodes, p) * torque + p[Unknown.ENGINE_DRAG] * car.driven + spinning
-    used = acting / (car.radius * np.maximum(moved.load, 1.0))
+    used = acting / (car.radius * np.maximum(moved.load, 1.0) * along)
     fitted = exp(float(p[Unknown.LOG_MU_MAX])) * share
-    steady = np.abs(spinning) < _MOST_SPIN * fitted * car.radius * moved.load
-    told = nodes.turning & steady & (share > _LEAST_SHARE)
+    steady = np.abs(spinning) < _MOST_SPIN * fitted * along * car.radius * moved.load
+    told = nodes.turning & steady & (share * along > _LEAST_SHARE)
     return used, fitted, np.asarray(told)
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from friction_curve_id.car.curve_family import ShapePrior
 from friction_curve_id.car.unknowns import SHARED, Unknown
 from vehicle_models.constants import GRAVITY
+from vehicle_models.lateral_forces import ACROSS
 from vehicle_models.vehicle import (
     FRONT,
     STATED,
@@ -37,6 +38,10 @@ _CURVE_STDDEV = 0.006
 """Half the track over the radius of the curve: 125 m."""
 _CURVE_RATE_STDDEV = 0.006
 """Of its growth [1/s]: a driver who begins to turn while he brakes."""
+YAW_RATE_STDDEV = 0.02
+"""Of the bias of a measured yaw rate [rad/s]."""
+_ACROSS_STDDEV = 0.06
+"""Of ln of the friction of a tyre across over that along."""
 _FADING_STDDEV = 0.08
 _OTHER_WHEELS = 0.15
 """Relative deviation of the deceleration of the car from that of the wheels that are measured."""
@@ -54,7 +59,12 @@ class Prior:
 
 
 def car_prior(
-    vehicle: Vehicle, present: tuple[int, ...], shape: ShapePrior, slope_stddev: float, with_accelerometer: bool
+    vehicle: Vehicle,
+    present: tuple[int, ...],
+    shape: ShapePrior,
+    slope_stddev: float,
+    with_accelerometer: bool,
+    lateral_at: float | None = None,
 ) -> Prior:
     """Return the prior of a car.
 
@@ -64,6 +74,7 @@ def car_prior(
         shape: prior of the shape of the curve.
         slope_stddev: standard deviation of the slope of the road [-], >= 0.
         with_accelerometer: whether the speed comes from an accelerometer, or from the wheels at nominal values.
+        lateral_at: speed at the begin [m/s], where yaw rate and lateral acceleration are measured, else None.
     """
     wheels, mounting = [vehicle.wheels[each] for each in present], vehicle.accelerometer
     mean, stddev = np.zeros(SHARED + len(wheels)), np.zeros(SHARED + len(wheels))
@@ -99,9 +110,15 @@ def car_prior(
         max(relative_deviation(wheel, "relaxation_length") for wheel in wheels) * relaxation,
     )
     put(Unknown.START_SPEED, 0.0, _START_SPEED_STDDEV)
-    sides = {wheel.side for wheel in wheels}
-    put(Unknown.CURVE, 0.0, _CURVE_STDDEV if len(sides) > 1 else 0.0)
-    put(Unknown.CURVE_RATE, 0.0, _CURVE_RATE_STDDEV if len(sides) > 1 else 0.0)
+    two_sides = len({wheel.side for wheel in wheels}) > 1
+    if lateral_at is not None:
+        bias = YAW_RATE_STDDEV * 0.5 * vehicle.track / lateral_at
+        put(Unknown.CURVE, 0.0, bias)
+        put(Unknown.CURVE_RATE, 0.0, bias)
+        put(Unknown.LOG_ACROSS, log(ACROSS), _ACROSS_STDDEV)
+    elif two_sides:
+        put(Unknown.CURVE, 0.0, _CURVE_STDDEV)
+        put(Unknown.CURVE_RATE, 0.0, _CURVE_RATE_STDDEV)
     put(Unknown.SLOPE, 0.0, slope_stddev * GRAVITY)
     if with_accelerometer:
         put(Unknown.ACCELEROMETER_DELAY, mounting.delay, absolute_deviation(mounting.deviations, "delay"))

@@ -54,8 +54,12 @@ class Unknown(IntEnum):
     """Share of its gain that a brake loses with the work of FADING_WORK [-]."""
     CURVE_RATE = 24
     """Growth of CURVE, which is that at the start of the window of the braking [1/s]."""
+    LOG_ACROSS = 25
+    """ln of the friction of a tyre across over that along."""
 
 
+OF_CURVE = slice(Unknown.LOG_MU_MAX, Unknown.SHAPE_2 + 1)
+"""What belongs to the road; all else is the car's."""
 FADING_WORK = 1e5
 """[J]"""
 
