@@ -19,7 +19,7 @@ class BrakingSamples:
         self._speed_change = np.zeros(capacity)
         self._closed = np.zeros(capacity)
         self._yaw_rate = np.zeros(capacity)
-        self._across = np.zeros((wheels, capacity))
+        self._leftward = np.zeros(capacity)
         self._rolled = np.zeros(capacity)
         self.count = 0
 
@@ -64,23 +64,23 @@ class BrakingSamples:
         return self._yaw_rate[: self.count]
 
     @property
-    def across(self) -> Array:
-        """Lateral forces of the wheels' axles over the mass of the car [m/s^2], shape (W, n)."""
-        return self._across[:, : self.count]
+    def leftward(self) -> Array:
+        """Lateral accelerations, to the left [m/s^2], shape (n,)."""
+        return self._leftward[: self.count]
 
     @property
     def rolled(self) -> Array:
         """Lateral accelerations whose steady load transfer acts [m/s^2], shape (n,)."""
         return self._rolled[: self.count]
 
-    def turn(self, yaw_rate: float, across: Array, rolled: float) -> None:
+    def turn(self, yaw_rate: float, leftward: float, rolled: float) -> None:
         """Add the motion across the car to the newest sample, which has none."""
         k = self.count - 1
-        self._yaw_rate[k], self._across[:, k], self._rolled[k] = yaw_rate, across, rolled
+        self._yaw_rate[k], self._leftward[k], self._rolled[k] = yaw_rate, leftward, rolled
 
     def straighten(self) -> None:
         """Forget the motion across the car."""
-        self._yaw_rate[:] = self._across[:] = self._rolled[:] = 0.0
+        self._yaw_rate[:] = self._leftward[:] = self._rolled[:] = 0.0
 
     def clear(self) -> None:
         """Forget all samples."""
@@ -100,7 +100,7 @@ class BrakingSamples:
             self._work[:, k] = self._work[:, k - 1] + done
         self._acceleration[k] = acceleration
         self._closed[k] = closed
-        self._yaw_rate[k] = self._across[:, k] = self._rolled[k] = 0.0
+        self._yaw_rate[k] = self._leftward[k] = self._rolled[k] = 0.0
         self._speed_change[k] = gained + (self._speed_change[k - 1] if k > 0 else 0.0)
         self.count = k + 1
 
@@ -111,7 +111,8 @@ class BrakingSamples:
     def drop_oldest(self, number: int) -> None:
         """Forget the oldest samples."""
         keep = self.count - number
-        arrays = (self._time, self._acceleration, self._speed_change, self._closed, self._yaw_rate, self._rolled)
-        for array in (*arrays, self._wheel_speed, self._torque, self._work, self._across):
+        across = (self._yaw_rate, self._leftward, self._rolled)
+        arrays = (self._time, self._acceleration, self._speed_change, self._closed, *across)
+        for array in (*arrays, self._wheel_speed, self._torque, self._work):
             array[..., :keep] = array[..., number : self.count].copy()
         self.count = keep

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.car_model import CarConstants, Motion, Nodes
+from friction_curve_id.car.combined_slip import TyreSlips
 from friction_curve_id.car.unknowns import Unknown
 from vehicle_models.constants import GRAVITY
 
@@ -35,7 +36,7 @@ def car_balance(
     car: CarConstants,
     nodes: Nodes,
     moved: Motion,
-    across: Array | None,
+    tyres: TyreSlips,
     acting: Array,
     acting_jacobian: Array,
     unknowns: Array,
@@ -49,7 +50,7 @@ def car_balance(
         car: nominal values.
         nodes: measured signals.
         moved: their motion.
-        across: lateral slips of the tyres [-], shape (W, n); None: the car goes straight.
+        tyres: their slips.
         acting: torque of brake and engine [N m], shape (W, n).
         acting_jacobian: its derivatives by OF_TORQUE, shape (W, n, 5).
         unknowns: shape (SHARED + W,).
@@ -73,8 +74,8 @@ def car_balance(
     corrected = (corrected - p[Unknown.ACCELEROMETER_OFFSET] + p[Unknown.PITCH_READING] * moved.pitch.pitch) / scale
     error = corrected + spinning + torques + car.rolling * GRAVITY + car.drag / mass * moved.speed**2
     stddev = np.full(n, _STDDEV)
-    if across is not None:
-        cornering = _cornering(car, nodes, moved, across)
+    if tyres.across is not None:
+        cornering = _cornering(car, nodes, moved, tyres.across)
         error += cornering
         stddev = np.hypot(_STDDEV, _OF_CORNERING * cornering)
     jacobian = np.zeros((n, p.size))
@@ -97,4 +98,5 @@ def _cornering(car: CarConstants, nodes: Nodes, moved: Motion, across: Array) ->
     """Deceleration by the lateral force of the front wheels, which are steered [m/s^2], shape (n,)."""
     path = car.wheelbase * np.abs(nodes.yaw_rate) / moved.speed
     steering = path + across[car.front_wheel] - across[car.rear_wheel]
-    return np.asarray(np.abs(nodes.across[car.front_wheel]) * steering)
+    share = car.share[car.front_wheel] + car.share[car.partner[car.front_wheel]]
+    return np.asarray(share * np.abs(nodes.leftward) * steering)

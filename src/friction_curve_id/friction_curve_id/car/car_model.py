@@ -19,6 +19,7 @@ from scipy.linalg.lapack import dtbtrs
 from friction_curve_id.car.pitch import Pitch, PitchState, pitch_of_body
 from friction_curve_id.car.unknowns import FADING_WORK, SHARED, Unknown
 from vehicle_models.constants import GRAVITY
+from vehicle_models.lateral_forces import AxleForces
 from vehicle_models.vehicle import FRONT, Vehicle
 
 Array = NDArray[np.float64]
@@ -57,18 +58,21 @@ class CarConstants:
         self.partner = [places.index((axle, others[side])) for axle, side in places] if len(wheels) == 4 else []
         """Other wheel of the axle of each wheel, by index; empty where not all four wheels are measured."""
         self.front_wheel, self.rear_wheel = int(np.argmax(self.front)), int(np.argmin(self.front))
+        self.axles = AxleForces(vehicle)
         self.half_track, self.wheelbase = 0.5 * vehicle.track, vehicle.wheelbase
         self.teeth = np.array([wheel.encoder_teeth for wheel in wheels], dtype=float).reshape(column)
         share, transfer = np.array(vehicle.load_shares), np.array(vehicle.transfer_shares)
         self.transfer = transfer[list(present)].reshape(column)
         nominal = share[list(present)].reshape(column)
-        self.roll = -self.left * nominal * (2.0 * vehicle.centre_of_gravity_height / vehicle.track)
-        """Change of the shares of the load by lateral acceleration to the left."""
+        self.roll = -self.left * (vehicle.centre_of_gravity_height / vehicle.track)
+        """Load that a wheel gains by lateral acceleration to the left, if its axle takes all of it, over the mass."""
         one_axle = all(wheel.axle == FRONT for wheel in vehicle.wheels)
         count = np.array([sum(each.axle == wheel.axle for each in vehicle.wheels) for wheel in wheels], dtype=float)
         sign = np.where(self.front > 0.0, 1.0, -1.0) / count.reshape(column)
         self.share_sign = np.zeros(column) if one_axle else sign
         self.share_fixed = nominal - self.share_sign * vehicle.front_load_share
+        self.share = nominal
+        """Of the load at rest by the vehicle file."""
         self.carried_share = float(nominal.sum())
         self.mass = vehicle.mass
         self.rolling = vehicle.rolling_resistance
@@ -105,8 +109,10 @@ class Nodes:
     """Work of the brakes at nominal gain [J], shape (W, n)."""
     yaw_rate: Array
     """Counter-clockwise [rad/s], shape (n,); zero where it is not measured."""
-    across: Array
-    """Lateral force of the wheel's axle over the mass of the car, to the left [m/s^2], shape (W, n)."""
+    yaw_acceleration: Array
+    """[rad/s^2], shape (n,)."""
+    leftward: Array
+    """Lateral acceleration [m/s^2], shape (n,)."""
     rolled: Array
     """Lateral acceleration whose steady load transfer acts [m/s^2], shape (n,)."""
     spread: float
@@ -129,7 +135,8 @@ class Nodes:
             self.turning[:, nodes],
             self.work[:, nodes],
             self.yaw_rate[nodes],
-            self.across[:, nodes],
+            self.yaw_acceleration[nodes],
+            self.leftward[nodes],
             self.rolled[nodes],
             self.spread,
         )
@@ -175,6 +182,8 @@ class Motion:
     """d load / d offset of the accelerometer [kg], shape (W, 1)."""
     load_by_share: Array
     """d load / d front load share [N], shape (W, 1)."""
+    load_by_roll: Array
+    """d load / d share of the roll moment at the front [N], shape (W, n)."""
     load_by_pitch: Array
     """d load / d (ln w, zeta, d) [N], shape (3, W, n)."""
     force: Array
@@ -259,7 +268,9 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried, a
     mass = car.mass * exp(float(p[Unknown.LOG_MASS]))
     height = car.transfer * exp(float(p[Unknown.LOG_HEIGHT_RATIO]))
     share = car.share_fixed + car.share_sign * p[Unknown.FRONT_LOAD_SHARE]
-    load_by_height = mass * height * pitch.load + mass * exp(float(p[Unknown.LOG_HEIGHT_RATIO])) * car.roll * nodes.rolled
+    rolled = mass * exp(float(p[Unknown.LOG_HEIGHT_RATIO])) * car.roll * nodes.rolled
+    of_axle = np.where(car.front > 0.0, p[Unknown.FRONT_ROLL_SHARE], 1.0 - p[Unknown.FRONT_ROLL_SHARE])
+    load_by_height = mass * height * pitch.load + of_axle * rolled
     load = np.maximum(mass * GRAVITY * share + load_by_height, 1.0)
     return Motion(
         speed,
@@ -274,6 +285,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried, a
         load_by_height,
         mass * height / (1.0 + p[Unknown.ACCELEROMETER_SCALE]),
         mass * GRAVITY * car.share_sign,
+        np.where(car.front > 0.0, rolled, -rolled),
         mass * height * pitch.load_gradient[:, np.newaxis, :],
         force,
         pitch,

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes
+from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes, brake_gains
 from friction_curve_id.car.curve_family import CurveValues, Family, curve_values
 from friction_curve_id.car.pitch import PITCH_UNKNOWNS
 from friction_curve_id.car.unknowns import OF_CURVE, SHARED, Unknown
@@ -45,6 +45,8 @@ class TyreSlips:
     """s_x over sigma [-]; 1 on a straight road."""
     across: Array | None
     """s_y [-], >= 0; None: the car goes straight."""
+    force: Array | float
+    """Lateral force of the axle over k [N]."""
     across_stddev: Array | float
     """[-]"""
     by_force: Array | float
@@ -56,7 +58,13 @@ class TyreSlips:
 
 
 def tyre_slips(
-    car: CarConstants, nodes: Nodes, moved: Motion, family: Family, unknowns: Array, begin: Array | None
+    car: CarConstants,
+    nodes: Nodes,
+    moved: Motion,
+    torque: Array,
+    family: Family,
+    unknowns: Array,
+    begin: Array | None,
 ) -> TyreSlips:
     """Return the slips of the tyres.
 
@@ -64,6 +72,7 @@ def tyre_slips(
         car: nominal values.
         nodes: measured signals.
         moved: their motion.
+        torque: T at nominal gain [N m], shape (W, n).
         family: formula of the curve.
         unknowns: shape (SHARED + W,).
         begin: s_y to begin with [-], shape (W, n); None: zero.
@@ -73,11 +82,16 @@ def tyre_slips(
     peak, mu_max = exp(log_peak), exp(float(p[Unknown.LOG_MU_MAX]))
     shape = (float(p[Unknown.SHAPE_1]), float(p[Unknown.SHAPE_2]))
     s_x = moved.relaxed
-    if not turns(nodes, mu_max):
+    if not turns(car, nodes, mu_max):
         curve = curve_values(family, log_peak, shape, s_x / peak)
-        return TyreSlips(s_x, curve, 1.0, None, 0.0, 0.0, 0.0, mu_max / peak * curve.slope)
+        return TyreSlips(s_x, curve, 1.0, None, 0.0, 0.0, 0.0, 0.0, mu_max / peak * curve.slope)
     ratio = exp(float(p[Unknown.LOG_MASS]) - float(p[Unknown.LOG_ACROSS]))
-    asked = car.mass * ratio * np.abs(nodes.across)
+    share = (car.share_fixed + car.share_sign * p[Unknown.FRONT_LOAD_SHARE]) / car.share
+    spinning = car.inertia * exp(float(p[Unknown.LOG_INERTIA])) * nodes.wheel_acceleration
+    brakes = (brake_gains(car, nodes, p) * torque + p[Unknown.ENGINE_DRAG] * car.driven + spinning) / car.radius
+    moment = car.axles.lever @ brakes * exp(-float(p[Unknown.LOG_MASS]))
+    force = np.abs(car.axles.at(nodes.leftward, nodes.yaw_acceleration, moment))
+    asked = ratio * share * force
     s_y = np.zeros_like(s_x) if begin is None else begin
     partner = car.partner
     for step in range(_NEWTON_STEPS):
@@ -101,6 +115,7 @@ def tyre_slips(
         curve,
         along,
         s_y,
+        asked,
         FORCE_STDDEV * asked * by_force,
         by_force,
         along * sideways * (rise - secant),
@@ -108,24 +123,22 @@ def tyre_slips(
     )
 
 
-def turns(nodes: Nodes, mu_max: float) -> bool:
-    """Whether the lateral forces are more than the noise of a straight road."""
-    return bool(np.abs(nodes.across).max() > 0.5 * _STRAIGHT * mu_max * GRAVITY)
+def turns(car: CarConstants, nodes: Nodes, mu_max: float) -> bool:
+    """Whether the tyres use so much of their friction across that it matters along."""
+    return bool(car.partner) and float(np.abs(nodes.leftward).max()) > _STRAIGHT * mu_max * GRAVITY
 
 
 def follow_across(
-    jacobian: Array, car: CarConstants, nodes: Nodes, moved: Motion, tyres: TyreSlips, by_curve: Array, unknowns: Array
+    jacobian: Array, car: CarConstants, moved: Motion, tyres: TyreSlips, by_curve: Array
 ) -> None:
     """Add to the Jacobian of the tyres' torques what comes through s_y, which follows all unknowns at constant force.
 
     Args:
         jacobian: at constant s_y, shape (W, n, SHARED + W).
         car: nominal values.
-        nodes: measured signals.
-        moved: their motion.
+        moved: motion at the nodes.
         tyres: their slips, with s_y.
         by_curve: d mu(sigma) by OF_CURVE, shape (W, n, 4).
-        unknowns: shape (SHARED + W,).
     """
     assert tyres.across is not None
     sideways = tyres.across / np.abs(tyres.size)
@@ -141,11 +154,10 @@ def follow_across(
         own[wheel, :, SHARED + wheel] = by_slip[wheel] * moved.relaxed_by_offset
     per_load = sideways * by_curve[:, :, Unknown.LOG_MU_MAX]
     own[:, :, Unknown.LOG_HEIGHT_RATIO] = per_load * moved.load_by_height
+    own[:, :, Unknown.FRONT_ROLL_SHARE] = per_load * moved.load_by_roll
     for row, unknown in enumerate(PITCH_UNKNOWNS):
         own[:, :, unknown] += per_load * moved.load_by_pitch[row]
     own += own[car.partner]
-    # a smaller k asks for more force, half of it here as both wheels of the axle are summed
-    ratio = exp(float(unknowns[Unknown.LOG_MASS]) - float(unknowns[Unknown.LOG_ACROSS]))
-    own[:, :, Unknown.LOG_ACROSS] = car.mass * ratio * np.abs(nodes.across)
+    own[:, :, Unknown.LOG_ACROSS] = tyres.force
     own *= (car.radius * by_slip * tyres.by_force)[:, :, np.newaxis]
     jacobian -= own

@@ -178,7 +178,7 @@ class CarEstimator:
             acceleration = -float(self._per_torque @ (self._car.inertia[:, 0] * growth + mean_torque))
         before = acceleration if last is None or not isfinite(last.acceleration) else last.acceleration
         self._gained += interval * 0.5 * (acceleration + before if self._with_accelerometer else 2.0 * acceleration)
-        turned = self._lateral.possible and self._with_accelerometer and isfinite(sample.yaw_rate)
+        turned = bool(self._car.partner) and self._with_accelerometer and isfinite(sample.yaw_rate)
         if turned:
             self._gained += interval * sample.yaw_rate * self._lateral.sideways
         self._gathered_time += interval
@@ -192,7 +192,7 @@ class CarEstimator:
             before_it = float(self._samples.time[-1]) if self._samples.count else sample.time
             self._keep(sample.time, mean, torque, acceleration)
             if turned:
-                self._turn_with(sample, sample.time - before_it, speed, torque)
+                self._turn_with(sample, sample.time - before_it, speed)
             self._gathered_time, self._gained = 0.0, 0.0
             self._gathered_turn = np.zeros(len(index))
         if float((self._radii[index] * speed).max()) < self._p.minimum_speed and not self._braking:
@@ -220,19 +220,14 @@ class CarEstimator:
                 samples.drop_oldest(max(int(np.searchsorted(samples.time, time - _BEFORE)) - 1, 1))
         samples.append(time, speed, torque, acceleration, self._gained, self._braking)
 
-    def _turn_with(self, sample: Checked, interval: float, speed: Array, torque: Array) -> None:
+    def _turn_with(self, sample: Checked, interval: float, speed: Array) -> None:
         """Follow the motion across the car, and add it to the newest sample of the window."""
-        samples, radii = self._samples, self._radii[self._index]
-        car_speed = float((radii * speed).mean())
+        car_speed = float((self._radii[self._index] * speed).mean())
         if self._braking:
-            car_speed = max(self._start.speed + float(samples.speed_change[-1]) - self._start.speed_change, 1.0)
-        growth = np.zeros_like(speed)
-        if samples.count > 1 and interval > 0.0:
-            growth = (samples.wheel_speed[:, -1] - samples.wheel_speed[:, -2]) / interval
-        forces = (torque + self._car.inertia[:, 0] * growth) / radii
-        lateral = self._lateral
-        lateral.update(interval, car_speed, sample.yaw_rate, sample.leftward, forces, self._braking)
-        samples.turn(sample.yaw_rate, lateral.across, lateral.rolled)
+            moved = float(self._samples.speed_change[-1]) - self._start.speed_change
+            car_speed = max(self._start.speed + moved, 1.0)
+        self._lateral.update(interval, car_speed, sample.yaw_rate, sample.leftward, self._braking)
+        self._samples.turn(sample.yaw_rate, sample.leftward, self._lateral.rolled)
 
     def _watch_brakes(self, time: float, braking_by: float, speed: Array) -> None:
         """Begin and end brakings."""
@@ -271,9 +266,8 @@ class CarEstimator:
         self._start = Start(float(samples.time[0]), rolling, at_rest, float(samples.speed_change[0]))
         self._rolling_noise = rolling_noise(samples.wheel_speed, 0.01)
         self._lateral_at = None
-        if self._lateral.possible and self._with_accelerometer and self._last is not None:
-            if isfinite(self._last.yaw_rate):
-                self._lateral_at = rolling
+        if self._car.partner and self._with_accelerometer and self._last and isfinite(self._last.yaw_rate):
+            self._lateral_at = rolling
         self._lateral.begin_braking()
         if self._lateral_at is None:
             samples.straighten()

@@ -133,8 +133,8 @@ class CurveFit:
         correction = self._at_nodes(nodes)
         across = self._across_at(nodes.time.size)
         moved = motion(self._car, replace(nodes, wheel_speed=nodes.wheel_speed + correction), p, self.carried, across)
-        tyres = tyre_slips(self._car, nodes, moved, self.family, p, across)
         torque, rate = delayed(samples, nodes, start, float(p[Unknown.PRESSURE_DELAY]))
+        tyres = tyre_slips(self._car, nodes, moved, torque, self.family, p, across)
         equation = wheel_equation(self._car, nodes, moved, torque, rate, tyres, p, self._torque_stddev)
         noise = WheelSpeedNoise(nodes, equation.by_wheel_speed)
         error = equation.error - equation.by_wheel_speed * correction
@@ -157,7 +157,7 @@ class CurveFit:
         if self._balanced:
             inertia = self._car.inertia * np.exp(p[Unknown.LOG_INERTIA])
             of_torque = equation.jacobian[:, :, OF_TORQUE] * inertia[:, :, np.newaxis]
-            errors, rows = car_balance(self._car, nodes, moved, tyres.across, equation.torque, of_torque, p)
+            errors, rows = car_balance(self._car, nodes, moved, tyres, equation.torque, of_torque, p)
             rows = rows * sd
             full[:size, :size] += rows.T @ rows
             full[:size, size] += rows.T @ errors

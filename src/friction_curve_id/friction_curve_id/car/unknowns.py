@@ -56,6 +56,8 @@ class Unknown(IntEnum):
     """Growth of CURVE, which is that at the start of the window of the braking [1/s]."""
     LOG_ACROSS = 25
     """ln of the friction of a tyre across over that along."""
+    FRONT_ROLL_SHARE = 26
+    """Share of the roll moment that the front axle takes."""
 
 
 OF_CURVE = slice(Unknown.LOG_MU_MAX, Unknown.SHAPE_2 + 1)

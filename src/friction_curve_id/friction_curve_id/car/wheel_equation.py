@@ -104,6 +104,7 @@ def wheel_equation(
     tyre_jacobian[:, :, Unknown.LOG_MASS] = tyre
     tyre_jacobian[:, :, Unknown.LOG_HEIGHT_RATIO] = per_load * moved.load_by_height
     tyre_jacobian[:, :, Unknown.FRONT_LOAD_SHARE] = per_load * moved.load_by_share
+    tyre_jacobian[:, :, Unknown.FRONT_ROLL_SHARE] = per_load * moved.load_by_roll
     for row, unknown in enumerate(PITCH_UNKNOWNS):
         tyre_jacobian[:, :, unknown] = per_load * moved.load_by_pitch[row]
     for row, unknown in enumerate(SPEED_UNKNOWNS):
@@ -117,7 +118,7 @@ def wheel_equation(
     for wheel in range(wheels):
         tyre_jacobian[wheel, :, SHARED + wheel] = tyre_by_slip[wheel] * moved.relaxed_by_offset
     if tyres.across is not None:
-        follow_across(tyre_jacobian, car, nodes, moved, tyres, by_curve, p)
+        follow_across(tyre_jacobian, car, moved, tyres, by_curve)
     jacobian = weighed(tyre_jacobian, nodes.spread)
     jacobian *= -1.0
     # The noise of a torque is part of e: a Jacobian that held it would draw inertia and gain to where noise is least.

@@ -21,7 +21,7 @@ from friction_slope.slip_position.hypotheses import LEAST_SPEED, MU, RELAXATION,
 from friction_slope.slip_position.lateral_slip import LateralSlip
 from friction_slope.slip_position.wheel_loads import WheelLoads
 from vehicle_models.constants import GRAVITY
-from vehicle_models.lateral_forces import LateralForces
+from vehicle_models.lateral_forces import LateralForces, Sideslip
 from vehicle_models.nanoseconds import NANOSECOND
 from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION
 from vehicle_models.vehicle import Vehicle
@@ -76,7 +76,7 @@ class SlipPosition:
         driven = np.array([wheel.driven for wheel in vehicle.wheels])
         self._drag = np.where(driven, vehicle.engine_drag_torque, 0.0)
         self._loads, self._lateral = WheelLoads(vehicle), LateralSlip(vehicle)
-        self._lateral_forces = LateralForces(vehicle)
+        self._lateral_forces, self._sideslip = LateralForces(vehicle), Sideslip()
         self._blocks, self._hypotheses = Blocks(vehicle), Hypotheses(vehicle)
         self.reset()
 
@@ -85,6 +85,7 @@ class SlipPosition:
         self._loads.reset()
         self._lateral.reset()
         self._lateral_forces.reset()
+        self._sideslip.begin_braking()
         self._stamp: int | None = None
         self._known = np.zeros(self._n, dtype=bool)
         self._braked = np.zeros(self._n, dtype=bool)
@@ -116,7 +117,7 @@ class SlipPosition:
     @property
     def slides(self) -> bool:
         """Whether the car slides sideways since it brakes."""
-        return self._lateral_forces.slides
+        return self._sideslip.slides
 
     def update(self, sample: CarSample, braked: Flags) -> Array:
         """Take a sample, later than the last; return P(beyond the peak), shape (n,), NaN without evidence.
@@ -162,7 +163,7 @@ class SlipPosition:
         if not begun.any():
             return
         if rolled:
-            self._lateral_forces.begin_braking()
+            self._sideslip.begin_braking()
         self._seen &= ~begun
         self._speed_variance = np.where(begun, np.maximum(stddev, LEAST_SPEED) ** 2, self._speed_variance)
         for wheel in np.flatnonzero(begun):
@@ -198,7 +199,8 @@ class SlipPosition:
         forward, leftward = (min(max(each, -_HARDEST), _HARDEST) for each in (forward, leftward))
         self._loads.update(dt, forward, leftward)
         if self._lateral_forces.known:
-            self._lateral_forces.move(dt, car_speed, yaw_rate, leftward, self._forces)
+            self._sideslip.move(dt, car_speed, yaw_rate, leftward)
+            self._lateral_forces.move(dt, yaw_rate, leftward, self._forces)
         return measured
 
     def _gather(
