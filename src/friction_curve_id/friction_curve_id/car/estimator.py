@@ -35,7 +35,7 @@ from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.passing import Passing
 from friction_curve_id.car.present_slip import present_slip
 from friction_curve_id.car.prior import car_prior, radius_deviation
-from friction_curve_id.car.tyre_deviations import LAMBDA_MAX, mu_max_deviations
+from friction_curve_id.car.tyre_deviations import LAMBDA_MAX, mu_max_deviations, side_deviations
 from friction_curve_id.car.unknowns import Unknown
 from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, Refusal, RestartCause
 from vehicle_models.reason import Reason
@@ -387,7 +387,8 @@ class CarEstimator:
             return
         used, fitted = used * comparable, fitted * comparable
         misfit = misfit_at_peak(used, fitted, mu_max, nodes.time)
-        self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit)
+        sides = side_deviations(fit.moved)
+        self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit, sides)
         if not isnan(misfit):
             self._misfit = misfit
 

@@ -12,7 +12,7 @@ LAMBDA_MAX = 0.05
 
 A brush model whose friction falls with its sliding has a kink at its peak: both formulas put that 10 % too high.
 """
-_MU_MAX = 0.03
+MU_MAX = 0.03
 """Relative deviation of mu_max of a tyre from that of the others: wear, inflation, temperature, make."""
 _LOAD_SENSITIVITY = 0.1
 """Share of its friction that a tyre loses with twice its load at rest; of published tyres (p_Dx2 of the magic formula,
@@ -24,9 +24,17 @@ def mu_max_deviations(moved: Motion) -> Array:
 
     One wheel alone has the curve that is told. The load counts where it was furthest from that at rest.
     """
-    wheels = moved.load.shape[0]
-    if wheels == 1:
+    if moved.load.shape[0] == 1:
         return np.zeros(1)
-    transferred = moved.load_by_height / (moved.load - moved.load_by_height)
-    deviations: Array = np.hypot(_MU_MAX, _LOAD_SENSITIVITY * np.abs(transferred).max(axis=1))
+    deviations: Array = np.hypot(MU_MAX, _LOAD_SENSITIVITY * np.abs(_transferred(moved)).max(axis=1))
     return deviations
+
+
+def side_deviations(moved: Motion) -> Array:
+    """Relative deviations of the friction of each wheel by its tyre and by its load, see difference_by_tyres, (2, W)."""
+    by_load = _LOAD_SENSITIVITY * _transferred(moved).mean(axis=1)
+    return np.stack([np.full_like(by_load, MU_MAX), by_load])
+
+
+def _transferred(moved: Motion) -> Array:
+    return np.asarray(moved.load_by_height / (moved.load - moved.load_by_height))
