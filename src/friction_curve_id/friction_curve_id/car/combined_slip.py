@@ -47,6 +47,8 @@ class TyreSlips:
     """s_y [-], >= 0; None: the car goes straight."""
     force: Array | float
     """Lateral force of the axle over k [N]."""
+    force_by_offset: Array | float
+    """Its derivative by LATERAL_OFFSET [kg]."""
     across_stddev: Array | float
     """[-]"""
     by_force: Array | float
@@ -84,14 +86,15 @@ def tyre_slips(
     s_x = moved.relaxed
     if not turns(car, nodes, mu_max):
         curve = curve_values(family, log_peak, shape, s_x / peak)
-        return TyreSlips(s_x, curve, 1.0, None, 0.0, 0.0, 0.0, 0.0, mu_max / peak * curve.slope)
+        return TyreSlips(s_x, curve, 1.0, None, 0.0, 0.0, 0.0, 0.0, 0.0, mu_max / peak * curve.slope)
     ratio = exp(float(p[Unknown.LOG_MASS]) - float(p[Unknown.LOG_ACROSS]))
     share = (car.share_fixed + car.share_sign * p[Unknown.FRONT_LOAD_SHARE]) / car.share
     spinning = car.inertia * exp(float(p[Unknown.LOG_INERTIA])) * nodes.wheel_acceleration
     brakes = (brake_gains(car, nodes, p) * torque + p[Unknown.ENGINE_DRAG] * car.driven + spinning) / car.radius
     moment = car.axles.lever @ brakes * exp(-float(p[Unknown.LOG_MASS]))
-    force = np.abs(car.axles.at(nodes.leftward, nodes.yaw_acceleration, moment))
-    asked = ratio * share * force
+    force = car.axles.at(nodes.leftward - p[Unknown.LATERAL_OFFSET], nodes.yaw_acceleration, moment)
+    asked = ratio * share * np.abs(force)
+    by_offset = -2.0 * car.share * car.mass * ratio * share * np.sign(force)
     s_y = np.zeros_like(s_x) if begin is None else begin
     partner = car.partner
     for step in range(_NEWTON_STEPS):
@@ -116,6 +119,7 @@ def tyre_slips(
         along,
         s_y,
         asked,
+        by_offset,
         FORCE_STDDEV * asked * by_force,
         by_force,
         along * sideways * (rise - secant),
@@ -159,5 +163,6 @@ def follow_across(
         own[:, :, unknown] += per_load * moved.load_by_pitch[row]
     own += own[car.partner]
     own[:, :, Unknown.LOG_ACROSS] = tyres.force
+    own[:, :, Unknown.LATERAL_OFFSET] = -tyres.force_by_offset
     own *= (car.radius * by_slip * tyres.by_force)[:, :, np.newaxis]
     jacobian -= own

@@ -118,6 +118,7 @@ def car_prior(
         put(Unknown.LOG_ACROSS, log(ACROSS), _ACROSS_STDDEV)
         roll = absolute_deviation(vehicle.deviations, "front_roll_share")
         put(Unknown.FRONT_ROLL_SHARE, vehicle.front_roll_share, roll)
+        put(Unknown.LATERAL_OFFSET, 0.0, absolute_deviation(mounting.deviations, "bias"))
     elif two_sides:
         put(Unknown.CURVE, 0.0, _CURVE_STDDEV)
         put(Unknown.CURVE_RATE, 0.0, _CURVE_RATE_STDDEV)

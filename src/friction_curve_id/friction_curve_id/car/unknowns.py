@@ -58,6 +58,8 @@ class Unknown(IntEnum):
     """ln of the friction of a tyre across over that along."""
     FRONT_ROLL_SHARE = 26
     """Share of the roll moment that the front axle takes."""
+    LATERAL_OFFSET = 27
+    """Of the accelerometer across the car, to the left [m/s^2]."""
 
 
 OF_CURVE = slice(Unknown.LOG_MU_MAX, Unknown.SHAPE_2 + 1)
