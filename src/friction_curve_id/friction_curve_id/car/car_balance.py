@@ -56,12 +56,8 @@ def car_balance(
         unknowns: shape (SHARED + W,).
     """
     p, n = unknowns, nodes.time.size
-    size = max(round(_BLOCK / max(float(np.median(nodes.interval)), 1e-4)), 1)
-    blocks = n // size
-    first = n - blocks * size
     told = (nodes.closed > 0.0) & nodes.turning.all(axis=0)
-    complete = told[first:].reshape(blocks, size).all(axis=1)
-    if blocks == 0 or not complete.any():
+    if not told.any():
         return np.zeros(0), np.zeros((0, p.size))
     scale = 1.0 + p[Unknown.ACCELEROMETER_SCALE]
     mass = car.mass * exp(float(p[Unknown.LOG_MASS]))
@@ -88,10 +84,18 @@ def car_balance(
     of_torque = np.einsum("wi,wnk->nk", per_wheel, acting_jacobian)
     for column, unknown in enumerate(OF_TORQUE):
         jacobian[:, unknown] = of_torque[:, column]
-    means = error[first:].reshape(blocks, size).mean(axis=1)[complete]
-    rows = jacobian[first:].reshape(blocks, size, p.size).mean(axis=1)[complete]
-    stddev = stddev[first:].reshape(blocks, size).mean(axis=1)[complete]
-    return means / stddev, rows / stddev[:, np.newaxis]
+    means = block_means(np.column_stack([error, stddev, jacobian]), nodes, told)
+    return means[:, 0] / means[:, 1], means[:, 2:] / means[:, 1:2]
+
+
+def block_means(columns: Array, nodes: Nodes, told: NDArray[np.bool_]) -> Array:
+    """Return the means of columns over the blocks of which all nodes are `told`, (n, m) to (B, m)."""
+    n, m = columns.shape
+    size = max(round(_BLOCK / max(float(np.median(nodes.interval)), 1e-4)), 1)
+    blocks = n // size
+    first = n - blocks * size
+    complete = told[first:].reshape(blocks, size).all(axis=1)
+    return np.asarray(columns[first:].reshape(blocks, size, m).mean(axis=1)[complete])
 
 
 def _cornering(car: CarConstants, nodes: Nodes, moved: Motion, across: Array) -> Array:

@@ -59,6 +59,7 @@ class CarConstants:
         """Other wheel of the axle of each wheel, by index; empty where not all four wheels are measured."""
         self.front_wheel, self.rear_wheel = int(np.argmax(self.front)), int(np.argmin(self.front))
         self.axles = AxleForces(vehicle)
+        self.behind = vehicle.wheelbase * vehicle.front_load_share
         self.half_track, self.wheelbase = 0.5 * vehicle.track, vehicle.wheelbase
         self.teeth = np.array([wheel.encoder_teeth for wheel in wheels], dtype=float).reshape(column)
         share, transfer = np.array(vehicle.load_shares), np.array(vehicle.transfer_shares)
@@ -113,6 +114,8 @@ class Nodes:
     """[rad/s^2], shape (n,)."""
     leftward: Array
     """Lateral acceleration [m/s^2], shape (n,)."""
+    sideways: Array
+    """Integral of leftward - yaw_rate v over `time` [m/s], shape (n,)."""
     rolled: Array
     """Lateral acceleration whose steady load transfer acts [m/s^2], shape (n,)."""
     spread: float
@@ -137,6 +140,7 @@ class Nodes:
             self.yaw_rate[nodes],
             self.yaw_acceleration[nodes],
             self.leftward[nodes],
+            self.sideways[nodes],
             self.rolled[nodes],
             self.spread,
         )
@@ -291,6 +295,16 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried, a
         pitch,
         immediate,
     )
+
+
+def relaxed_by(moved: Motion, nodes: Nodes, unknowns: Array, slip: Array) -> Array:
+    """Return the slip that a tyre follows [-], shape (n,), for a kinematic one; of the first node it has followed it."""
+    length = max(float(unknowns[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION)
+    keep = np.exp(-np.diff(nodes.time) * moved.speed[1:] / length)
+    driving = np.empty((slip.size, 1), order="F")
+    driving[0, 0] = slip[0]
+    driving[1:, 0] = (1.0 - keep) * 0.5 * (slip[1:] + slip[:-1])
+    return recursion(keep, driving)[:, 0]
 
 
 def _steered(car: CarConstants, nodes: Nodes, speed: Array, across: Array) -> Array:

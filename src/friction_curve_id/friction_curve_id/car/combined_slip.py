@@ -132,13 +132,10 @@ def turns(car: CarConstants, nodes: Nodes, mu_max: float) -> bool:
     return bool(car.partner) and float(np.abs(nodes.leftward).max()) > _STRAIGHT * mu_max * GRAVITY
 
 
-def follow_across(
-    jacobian: Array, car: CarConstants, moved: Motion, tyres: TyreSlips, by_curve: Array
-) -> None:
-    """Add to the Jacobian of the tyres' torques what comes through s_y, which follows all unknowns at constant force.
+def across_gradient(car: CarConstants, moved: Motion, tyres: TyreSlips, by_curve: Array) -> Array:
+    """Return d s_y by the unknowns, which it follows at constant force, shape (W, n, SHARED + W).
 
     Args:
-        jacobian: at constant s_y, shape (W, n, SHARED + W).
         car: nominal values.
         moved: motion at the nodes.
         tyres: their slips, with s_y.
@@ -147,7 +144,7 @@ def follow_across(
     assert tyres.across is not None
     sideways = tyres.across / np.abs(tyres.size)
     by_slip = moved.load * tyres.pulled
-    own = np.zeros_like(jacobian)
+    own = np.zeros((*tyres.size.shape, SHARED + car.wheels))
     own[:, :, OF_CURVE] = (moved.load * sideways)[:, :, np.newaxis] * by_curve
     for row, unknown in enumerate(SPEED_UNKNOWNS):
         own[:, :, unknown] = by_slip * moved.relaxed_by_speed[row]
@@ -164,5 +161,5 @@ def follow_across(
     own += own[car.partner]
     own[:, :, Unknown.LOG_ACROSS] = tyres.force
     own[:, :, Unknown.LATERAL_OFFSET] = -tyres.force_by_offset
-    own *= (car.radius * by_slip * tyres.by_force)[:, :, np.newaxis]
-    jacobian -= own
+    own *= np.asarray(-tyres.by_force)[:, :, np.newaxis]
+    return own

@@ -227,7 +227,7 @@ class CarEstimator:
             moved = float(self._samples.speed_change[-1]) - self._start.speed_change
             car_speed = max(self._start.speed + moved, 1.0)
         self._lateral.update(interval, car_speed, sample.yaw_rate, sample.leftward, self._braking)
-        self._samples.turn(sample.yaw_rate, sample.leftward, self._lateral.rolled)
+        self._samples.turn(sample.yaw_rate, sample.leftward, self._lateral.turned, self._lateral.rolled)
 
     def _watch_brakes(self, time: float, braking_by: float, speed: Array) -> None:
         """Begin and end brakings."""
@@ -263,7 +263,9 @@ class CarEstimator:
             free[:] = True
         rolling = float((self._car.radius[free, 0] * samples.wheel_speed[free, :few].mean(axis=1)).mean())
         at_rest = float(samples.acceleration[: max(samples.count // 4, 1)].mean())
-        self._start = Start(float(samples.time[0]), rolling, at_rest, float(samples.speed_change[0]))
+        self._start = Start(
+            float(samples.time[0]), rolling, at_rest, float(samples.speed_change[0]), float(samples.sideways[0])
+        )
         self._rolling_noise = rolling_noise(samples.wheel_speed, 0.01)
         self._lateral_at = None
         if self._car.partner and self._with_accelerometer and self._last and isfinite(self._last.yaw_rate):
@@ -276,7 +278,13 @@ class CarEstimator:
             CurveFit(
                 self._car,
                 car_prior(
-                    self._vehicle, self._present, shape, p.slope_stddev, self._with_accelerometer, self._lateral_at
+                    self._vehicle,
+                    self._present,
+                    shape,
+                    p.slope_stddev,
+                    self._with_accelerometer,
+                    self._lateral_at,
+                    self._lateral.sideways - self._lateral.turned + float(samples.sideways[0]),
                 ),
                 family,
                 p.torque_stddev,

@@ -18,6 +18,7 @@ from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes
 from friction_curve_id.car.curve_family import Family
 from friction_curve_id.car.node_signals import Start, delayed
 from friction_curve_id.car.prior import Prior
+from friction_curve_id.car.rear_slip import rear_slip
 from friction_curve_id.car.unknowns import OF_CURVE, Unknown
 from friction_curve_id.car.wheel_equation import WheelEquation, wheel_equation
 
@@ -158,6 +159,9 @@ class CurveFit:
             inertia = self._car.inertia * np.exp(p[Unknown.LOG_INERTIA])
             of_torque = equation.jacobian[:, :, OF_TORQUE] * inertia[:, :, np.newaxis]
             errors, rows = car_balance(self._car, nodes, moved, tyres, equation.torque, of_torque, p)
+            if equation.across_gradient is not None:
+                found = rear_slip(self._car, nodes, moved, tyres, equation.across_gradient, p)
+                errors, rows = np.concatenate([errors, found[0]]), np.concatenate([rows, found[1]])
             rows = rows * sd
             full[:size, :size] += rows.T @ rows
             full[:size, size] += rows.T @ errors

@@ -34,6 +34,8 @@ class LateralMotion:
         """Forget the past."""
         self._begun = False
         self._rolling = 0.0
+        self.turned = 0.0
+        """Integral of a_y - yaw' v [m/s]."""
         self.rolled = 0.0
         """Lateral acceleration whose steady load transfer acts [m/s^2]."""
         self.begin_braking()
@@ -65,6 +67,7 @@ class LateralMotion:
         if not self._begun:
             self._begun, self.rolled = True, leftward
         self.rolled -= expm1(-dt / ROLLED) * (leftward - self.rolled)
+        self.turned += dt * (leftward - speed * yaw_rate)
         if braking:
             self._sideslip.move(dt, speed, yaw_rate, leftward)
             return

@@ -49,6 +49,8 @@ class Start:
     """[m/s^2]"""
     speed_change: float
     """Integral of the acceleration at `time` [m/s]."""
+    sideways: float = 0.0
+    """Integral of lateral acceleration less centripetal one at `time` [m/s]."""
 
 
 def node_signals(
@@ -72,6 +74,7 @@ def node_signals(
         acceleration, change, closed = samples.acceleration[:-1], samples.speed_change[:-1], samples.closed[:-1]
         work = samples.work[:, :-1]
         yaw_rate, leftward, rolled = samples.yaw_rate[:-1], samples.leftward[:-1], samples.rolled[:-1]
+        sideways = samples.sideways[:-1]
         near, far = 7.0 / 12.0, -1.0 / 12.0
     else:
         time, interval = 0.5 * (t[1:] + t[:-1]), step
@@ -81,6 +84,7 @@ def node_signals(
         work = 0.5 * (samples.work[:, 1:] + samples.work[:, :-1])
         yaw_rate = 0.5 * (samples.yaw_rate[1:] + samples.yaw_rate[:-1])
         leftward = 0.5 * (samples.leftward[1:] + samples.leftward[:-1])
+        sideways = 0.5 * (samples.sideways[1:] + samples.sideways[:-1])
         rolled = 0.5 * (samples.rolled[1:] + samples.rolled[:-1])
         near, far = 0.5, 0.0
     speed = 0.5 * (w[:, 1:] + w[:, :-1])
@@ -120,6 +124,7 @@ def node_signals(
         yaw_rate,
         _rate(yaw_rate, time),
         leftward,
+        sideways - start.sideways,
         rolled,
         1.0 / 6.0 if counted else 1.0 / 24.0,
     )

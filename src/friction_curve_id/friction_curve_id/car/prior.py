@@ -42,6 +42,8 @@ YAW_RATE_STDDEV = 0.02
 """Of the bias of a measured yaw rate [rad/s]."""
 _ACROSS_STDDEV = 0.06
 """Of ln of the friction of a tyre across over that along."""
+_SIDEWAYS_STDDEV = 0.4
+"""Of the sideways speed of a car that corners steadily [m/s]."""
 _FADING_STDDEV = 0.08
 _OTHER_WHEELS = 0.15
 """Relative deviation of the deceleration of the car from that of the wheels that are measured."""
@@ -65,6 +67,7 @@ def car_prior(
     slope_stddev: float,
     with_accelerometer: bool,
     lateral_at: float | None = None,
+    sideways: float = 0.0,
 ) -> Prior:
     """Return the prior of a car.
 
@@ -75,6 +78,7 @@ def car_prior(
         slope_stddev: standard deviation of the slope of the road [-], >= 0.
         with_accelerometer: whether the speed comes from an accelerometer, or from the wheels at nominal values.
         lateral_at: speed at the begin [m/s], where yaw rate and lateral acceleration are measured, else None.
+        sideways: speed to the left at the start of the window, about [m/s].
     """
     wheels, mounting = [vehicle.wheels[each] for each in present], vehicle.accelerometer
     mean, stddev = np.zeros(SHARED + len(wheels)), np.zeros(SHARED + len(wheels))
@@ -118,6 +122,7 @@ def car_prior(
         put(Unknown.LOG_ACROSS, log(ACROSS), _ACROSS_STDDEV)
         roll = absolute_deviation(vehicle.deviations, "front_roll_share")
         put(Unknown.FRONT_ROLL_SHARE, vehicle.front_roll_share, roll)
+        put(Unknown.SIDEWAYS, sideways, _SIDEWAYS_STDDEV)
         put(Unknown.LATERAL_OFFSET, 0.0, absolute_deviation(mounting.deviations, "bias"))
     elif two_sides:
         put(Unknown.CURVE, 0.0, _CURVE_STDDEV)

@@ -60,6 +60,8 @@ class Unknown(IntEnum):
     """Share of the roll moment that the front axle takes."""
     LATERAL_OFFSET = 27
     """Of the accelerometer across the car, to the left [m/s^2]."""
+    SIDEWAYS = 28
+    """Sideways speed at the start, to the left [m/s]."""
 
 
 OF_CURVE = slice(Unknown.LOG_MU_MAX, Unknown.SHAPE_2 + 1)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes, brake_gains, gains_by_fading
-from friction_curve_id.car.combined_slip import TyreSlips, follow_across
+from friction_curve_id.car.combined_slip import TyreSlips, across_gradient
 from friction_curve_id.car.neighbours import with_repeated_ends
 from friction_curve_id.car.pitch import PITCH_UNKNOWNS
 from friction_curve_id.car.unknowns import OF_CURVE, SHARED, Unknown
@@ -45,6 +45,8 @@ class WheelEquation:
     """Torque of the brake and the engine at the nodes, weighed [N m], shape (W, n)."""
     by_wheel_speed: Array
     """d e / d wheel speed at the node by the slip there [1/s], shape (W, n)."""
+    across_gradient: Array | None
+    """d s_y / d unknowns, shape (W, n, SHARED + W); None: the car goes straight."""
 
 
 def weighed(values: Array, share: float) -> Array:
@@ -117,8 +119,10 @@ def wheel_equation(
     tyre_jacobian[:, :, Unknown.CURVE_RATE] = tyre_by_slip * car.left * moved.relaxed_by_growth
     for wheel in range(wheels):
         tyre_jacobian[wheel, :, SHARED + wheel] = tyre_by_slip[wheel] * moved.relaxed_by_offset
+    of_across = None
     if tyres.across is not None:
-        follow_across(tyre_jacobian, car, moved, tyres, by_curve)
+        of_across = across_gradient(car, moved, tyres, by_curve)
+        tyre_jacobian += (lever * tyres.pulled)[:, :, np.newaxis] * of_across
     jacobian = weighed(tyre_jacobian, nodes.spread)
     jacobian *= -1.0
     # The noise of a torque is part of e: a Jacobian that held it would draw inertia and gain to where noise is least.
@@ -138,8 +142,8 @@ def wheel_equation(
     by_wheel_speed = tyre_by_slip * car.radius / moved.speed
     slip_noise = by_wheel_speed * (1.0 - moved.immediate) * nodes.wheel_noise[:, 1:]
     drive = np.where(nodes.closed > 0.0, 0.0, _UNKNOWN_DRIVE**2) * car.driven
-    of_across = (lever * tyres.pulled * tyres.across_stddev) ** 2
-    fixed = (torque_stddev**2 + missed + 0.5 * slip_noise**2 + drive + of_across) / inertia**2
+    by_across = (lever * tyres.pulled * tyres.across_stddev) ** 2
+    fixed = (torque_stddev**2 + missed + 0.5 * slip_noise**2 + drive + by_across) / inertia**2
     load_variance = (tyre / inertia) ** 2
     error = nodes.wheel_acceleration + balance / inertia
     immediate = by_wheel_speed * moved.immediate / inertia
@@ -148,7 +152,7 @@ def wheel_equation(
         jacobian[locked] = 0.0
         error[locked] = load_variance[locked] = immediate[locked] = 0.0
         fixed[locked] = _NOTHING
-    return WheelEquation(error, jacobian, fixed, load_variance, acting, immediate)
+    return WheelEquation(error, jacobian, fixed, load_variance, acting, immediate, of_across)
 
 
 def _mean_of_five(values: Array) -> Array:
