@@ -176,7 +176,10 @@ class Vehicle:
     )
     pitch_damping: float = parameter(0.3, "damping ratio of that motion", minimum=0.05, maximum=0.95)
     front_roll_share: float = parameter(
-        0.55, "share of the roll moment that the front axle takes, by springs and stabilisers", minimum=0.05, maximum=0.95
+        0.55,
+        "share of the roll moment that the front axle takes, by springs and stabilisers",
+        minimum=0.05,
+        maximum=0.95,
     )
     track: float = parameter(1.5, "distance of the wheels of an axle", unit="m", minimum=0.3, maximum=5.0)
     drag_area: float = parameter(0.0, "drag coefficient times frontal area", unit="m^2", minimum=0.0, maximum=20.0)

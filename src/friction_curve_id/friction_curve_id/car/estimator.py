@@ -129,7 +129,9 @@ class CarEstimator:
         if self._braking and self._with_accelerometer and not isfinite(checked.acceleration):
             return (Refusal(Reason.NO_ACCELERATION, "acceleration is missing: check imu/data"),) * count
         if self._braking and self._lateral_at is not None and not isfinite(checked.yaw_rate):
-            return (Refusal(Reason.NO_ACCELERATION, "yaw rate or lateral acceleration is missing: check imu/data"),) * count
+            return (
+                Refusal(Reason.NO_ACCELERATION, "yaw rate or lateral acceleration is missing: check imu/data"),
+            ) * count
         answer = self._take(checked)
         if isinstance(answer, Refusal):
             return (answer,) * count

@@ -13,8 +13,8 @@ from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dpttrf, dpttrs
 
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
-from friction_curve_id.car.combined_slip import TyreSlips, tyre_slips
 from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion, recursion
+from friction_curve_id.car.combined_slip import TyreSlips, tyre_slips
 from friction_curve_id.car.curve_family import Family
 from friction_curve_id.car.node_signals import Start, delayed
 from friction_curve_id.car.prior import Prior
