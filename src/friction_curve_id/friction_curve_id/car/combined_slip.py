@@ -29,6 +29,10 @@ _CLOSE: Final = 2e-3
 """Change of s_y over lambda_max in the last Newton step."""
 _LEAST_SLOPE: Final = 0.15
 """Least slope of the lateral force over its secant: what is flatter determines no slip."""
+_BIAS: Final = 0.1
+"""Deviation of a lateral acceleration by the road's crossfall and the roll of the body [m/s^2]."""
+_MOST_UNKNOWN: Final = 0.05
+"""Relative deviation of a force along by s_y up to which it shows the friction of the road."""
 _WIDEST: Final = 2.0
 """Largest s_y over lambda_max."""
 
@@ -120,7 +124,7 @@ def tyre_slips(
         s_y,
         asked,
         by_offset,
-        FORCE_STDDEV * asked * by_force,
+        np.hypot(FORCE_STDDEV * asked, _BIAS * by_offset) * by_force,
         by_force,
         along * sideways * (rise - secant),
         rise * along**2 + secant * sideways**2,
@@ -130,6 +134,14 @@ def tyre_slips(
 def turns(car: CarConstants, nodes: Nodes, mu_max: float) -> bool:
     """Whether the tyres use so much of their friction across that it matters along."""
     return bool(car.partner) and float(np.abs(nodes.leftward).max()) > _STRAIGHT * mu_max * GRAVITY
+
+
+def shows_friction(tyres: TyreSlips, mu_max: float) -> NDArray[np.bool_] | bool:
+    """Return whether forces along the wheels are known well enough to tell one road from another, shape (W, n)."""
+    if tyres.across is None:
+        return True
+    deviation = np.abs(tyres.pulled) * tyres.across_stddev
+    return np.asarray(deviation < _MOST_UNKNOWN * mu_max * tyres.curve.value * np.abs(tyres.along))
 
 
 def across_gradient(car: CarConstants, moved: Motion, tyres: TyreSlips, by_curve: Array) -> Array:

@@ -16,6 +16,7 @@ from friction_curve_id.car.astray import Astray
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
+from friction_curve_id.car.combined_slip import shows_friction
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
 from friction_curve_id.car.evidence import (
     UNRESOLVED_HEIGHT,
@@ -384,9 +385,11 @@ class CarEstimator:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
         torque, rate = delayed(self._samples, nodes, self._start, delay)
         mu_max = exp(float(fit.unknowns[Unknown.LOG_MU_MAX]))
+        shown = shows_friction(fit.tyres, mu_max)
         used, fitted, comparable = used_and_fitted(self._car, nodes, fit.moved, fit.tyres, torque, fit.unknowns)
         if self._peak is not None and self._peak.log_mu_stddev < _KNOWN_MU:
             told = told_of_roads(self._car, fit.moved, fitted, mu_max, rate) & (nodes.time >= self._silent_until)
+            told &= shown
             new_road = axle_on_new_road(self._car, nodes.time, used, fitted, told)
             if new_road is not None:
                 self._begin_anew(nodes, new_road, used * told, fit)
@@ -395,6 +398,7 @@ class CarEstimator:
                 return
         if not calm:
             return
+        comparable &= shown
         used, fitted = used * comparable, fitted * comparable
         misfit = misfit_at_peak(used, fitted, mu_max, nodes.time)
         sides = side_deviations(fit.moved)
