@@ -47,9 +47,9 @@ class Checked(NamedTuple):
     """NaN where missing."""
     after_gap: bool
     """Whether it is the first, or follows a gap."""
-    leftward: float
+    leftward: float = nan
     """NaN where missing, or where the yaw rate is."""
-    yaw_rate: float
+    yaw_rate: float = nan
     """NaN where missing, or where the lateral acceleration is."""
 
 

@@ -19,7 +19,7 @@ from friction_curve_id.car.curve_family import Family
 from friction_curve_id.car.node_signals import Start, delayed
 from friction_curve_id.car.prior import Prior
 from friction_curve_id.car.rear_slip import rear_slip
-from friction_curve_id.car.unknowns import OF_CURVE, Unknown
+from friction_curve_id.car.unknowns import OF_CURVE, OF_CURVES, Unknown
 from friction_curve_id.car.wheel_equation import WheelEquation, wheel_equation
 
 Array = NDArray[np.float64]
@@ -64,7 +64,9 @@ class Linearised:
     tyres: TyreSlips
     noise: "WheelSpeedNoise"
     white: Array
-    """C^-1 of the Jacobian in z and, last, of the error, shape (W n, P + 1)."""
+    """C^-1 of the Jacobian in z by the unknowns that act and, last, of the error, shape (W n, A + 1)."""
+    acting: NDArray[np.int64]
+    """Unknowns that move the wheel equations, shape (A,)."""
     of_node: Array
     """What each node adds to the cost of those before it, of all wheels, shape (n,)."""
 
@@ -81,6 +83,8 @@ class CurveFit:
         self.family = family
         self._car, self._prior = car, prior
         self._torque_stddev, self._balanced = torque_stddev, balanced
+        self._curving = np.flatnonzero(prior.stddev > 0.0)
+        self._acting = self._curving[~np.isin(self._curving, OF_CURVES)]
         self.reset()
 
     def reset(self) -> None:
@@ -142,19 +146,23 @@ class CurveFit:
         if adapt:
             self._adapt(equation, error, noise)
         pivots, factors, log_determinant = noise.factorised(equation, LOAD_VARIATIONS[self.load_variation])
-        size = p.size
-        columns = np.empty((equation.error.size, size + 1), order="F")
-        columns[:, :size] = equation.jacobian.reshape(-1, size)
-        columns[:, :size] *= sd
-        columns[:, size] = error.ravel()
+        size, acting = p.size, self._curving if tyres.across is not None else self._acting
+        columns = np.empty((equation.error.size, acting.size + 1), order="F")
+        jacobian = equation.jacobian.reshape(-1, size)
+        for column, unknown in enumerate(acting):
+            np.multiply(jacobian[:, unknown], sd[unknown], out=columns[:, column])
+        columns[:, -1] = error.ravel()
         white, _ = dpttrs(pivots, factors, columns)
-        full = columns.T @ white
-        cost = 0.5 * float(full[size, size]) + 0.5 * log_determinant
-        onward = white[:, size].copy()
-        onward[:-1] += factors * white[1:, size]
+        products = columns.T @ white
+        full, spread = np.zeros((size, size + 1)), np.zeros((size, size))
+        among = np.ix_(acting, acting)
+        full[among], full[acting, size] = products[:-1, :-1], products[:-1, -1]
+        cost = 0.5 * float(products[-1, -1]) + 0.5 * log_determinant
+        onward = white[:, -1].copy()
+        onward[:-1] += factors * white[1:, -1]
         of_node = 0.5 * (pivots * onward**2 + np.log(pivots)).reshape(error.shape).sum(axis=0)
         variation = LOAD_VARIATIONS[self.load_variation]
-        spread = _spread(white[:, :size], variation * np.sqrt(equation.load_variance), nodes.interval)
+        spread[among] = _spread(white[:, :-1], variation * np.sqrt(equation.load_variance), nodes.interval)
         if self._balanced:
             inertia = self._car.inertia * np.exp(p[Unknown.LOG_INERTIA])
             of_torque = equation.jacobian[:, :, OF_TORQUE] * inertia[:, :, np.newaxis]
@@ -163,10 +171,10 @@ class CurveFit:
                 found = rear_slip(self._car, nodes, moved, tyres, equation.across_gradient, p)
                 errors, rows = np.concatenate([errors, found[0]]), np.concatenate([rows, found[1]])
             rows = rows * sd
-            full[:size, :size] += rows.T @ rows
-            full[:size, size] += rows.T @ errors
+            full[:, :size] += rows.T @ rows
+            full[:, size] += rows.T @ errors
             cost += 0.5 * float(errors @ errors)
-        return Linearised(full[:size, :size], full[:size, size], spread, cost, moved, tyres, noise, white, of_node)
+        return Linearised(full[:, :size], full[:, size], spread, cost, moved, tyres, noise, white, acting, of_node)
 
     def step(self, samples: BrakingSamples, nodes: Nodes, start: Start) -> float:
         """Make a Gauss-Newton step; return its length in ln lambda_max and ln mu_max."""
@@ -214,7 +222,7 @@ class CurveFit:
             self._damping = 0.0
         self._last_move = move
         self.z = self.z + move
-        self._correction = at.noise.correction(at.white[:, size] + at.white[:, :size] @ move)
+        self._correction = at.noise.correction(at.white[:, -1] + at.white[:, :-1] @ move[at.acting])
         self.steps += 1
         self.moved, self.tyres = at.moved, at.tyres
         self._across = at.tyres.across

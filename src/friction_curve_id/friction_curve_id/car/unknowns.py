@@ -66,6 +66,8 @@ class Unknown(IntEnum):
 
 OF_CURVE = slice(Unknown.LOG_MU_MAX, Unknown.SHAPE_2 + 1)
 """What belongs to the road; all else is the car's."""
+OF_CURVES = (Unknown.LOG_ACROSS, Unknown.LATERAL_OFFSET, Unknown.SIDEWAYS)
+"""What moves no wheel on a straight road."""
 FADING_WORK = 1e5
 """[J]"""
 

@@ -94,6 +94,7 @@ def wheel_equation(
     tyre_by_slip = lever * tyres.slope_along
     gain = brake_gains(car, nodes, p)
     inertia = car.inertia * exp(float(p[Unknown.LOG_INERTIA]))
+    per_inertia = 1.0 / inertia
     brake = gain * torque
 
     wheels, n = x.shape
@@ -124,19 +125,19 @@ def wheel_equation(
         of_across = across_gradient(car, moved, tyres, by_curve)
         tyre_jacobian += (lever * tyres.pulled)[:, :, np.newaxis] * of_across
     jacobian = weighed(tyre_jacobian, nodes.spread)
-    jacobian *= -1.0
+    jacobian *= -per_inertia[:, :, np.newaxis]
     # The noise of a torque is part of e: a Jacobian that held it would draw inertia and gain to where noise is least.
     smooth = _mean_of_five(brake)
     acting = brake + p[Unknown.ENGINE_DRAG] * car.driven
     passed = weighed(tyre, nodes.spread)
     balance = acting - passed
-    jacobian[:, :, Unknown.LOG_GAIN_FRONT] = car.front * smooth
-    jacobian[:, :, Unknown.LOG_GAIN_REAR] = (1.0 - car.front) * smooth
-    jacobian[:, :, Unknown.FADING] = gains_by_fading(nodes, p) * smooth
-    jacobian[:, :, Unknown.PRESSURE_DELAY] = gain * torque_rate
-    jacobian[:, :, Unknown.ENGINE_DRAG] = car.driven
-    jacobian[:, :, Unknown.LOG_INERTIA] = -(smooth + p[Unknown.ENGINE_DRAG] * car.driven - passed)
-    jacobian *= 1.0 / inertia[:, :, np.newaxis]
+    smoothed = smooth * per_inertia
+    jacobian[:, :, Unknown.LOG_GAIN_FRONT] = car.front * smoothed
+    jacobian[:, :, Unknown.LOG_GAIN_REAR] = (1.0 - car.front) * smoothed
+    jacobian[:, :, Unknown.FADING] = gains_by_fading(nodes, p) * smoothed
+    jacobian[:, :, Unknown.PRESSURE_DELAY] = gain * torque_rate * per_inertia
+    jacobian[:, :, Unknown.ENGINE_DRAG] = car.driven * per_inertia
+    jacobian[:, :, Unknown.LOG_INERTIA] = -(smooth + p[Unknown.ENGINE_DRAG] * car.driven - passed) * per_inertia
 
     missed = (second_difference(brake) ** 2 + second_difference(tyre) ** 2) * nodes.spread**2
     by_wheel_speed = tyre_by_slip * car.radius / moved.speed
