@@ -182,6 +182,8 @@ class Motion:
     """[N], shape (W, n)."""
     load_by_height: Array
     """d load / d ln(h / L) [N], shape (W, n)."""
+    load_by_scale: Array
+    """d load / d scale of the accelerometer [N], shape (W, n)."""
     load_by_offset: Array
     """d load / d offset of the accelerometer [kg], shape (W, 1)."""
     load_by_share: Array
@@ -274,7 +276,8 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried, a
     share = car.share_fixed + car.share_sign * p[Unknown.FRONT_LOAD_SHARE]
     rolled = mass * exp(float(p[Unknown.LOG_HEIGHT_RATIO])) * car.roll * nodes.rolled
     of_axle = np.where(car.front > 0.0, p[Unknown.FRONT_ROLL_SHARE], 1.0 - p[Unknown.FRONT_ROLL_SHARE])
-    load_by_height = mass * height * pitch.load + of_axle * rolled
+    pitched = mass * height * pitch.load
+    load_by_height = pitched + of_axle * rolled
     load = np.maximum(mass * GRAVITY * share + load_by_height, 1.0)
     return Motion(
         speed,
@@ -287,6 +290,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried, a
         by_length,
         load,
         load_by_height,
+        -pitched / (1.0 + p[Unknown.ACCELEROMETER_SCALE]),
         mass * height / (1.0 + p[Unknown.ACCELEROMETER_SCALE]),
         mass * GRAVITY * car.share_sign,
         np.where(car.front > 0.0, rolled, -rolled),
@@ -298,7 +302,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried, a
 
 
 def relaxed_by(moved: Motion, nodes: Nodes, unknowns: Array, slip: Array) -> Array:
-    """Return the slip that a tyre follows [-], shape (n,), for a kinematic one; of the first node it has followed it."""
+    """Return the slip of a tyre that follows a kinematic one [-], shape (n,), and begins with it."""
     length = max(float(unknowns[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION)
     keep = np.exp(-np.diff(nodes.time) * moved.speed[1:] / length)
     driving = np.empty((slip.size, 1), order="F")

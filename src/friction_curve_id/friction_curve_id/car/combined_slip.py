@@ -22,8 +22,8 @@ from vehicle_models.lateral_forces import FORCE_STDDEV
 
 Array = NDArray[np.float64]
 
-_STRAIGHT: Final = 0.1
-"""Share of its friction that the car uses across below which that along is less by half a percent."""
+_STRAIGHT: Final = 0.15
+"""Share of its friction that the car uses across below which that along is less by a percent."""
 _NEWTON_STEPS: Final = 6
 _CLOSE: Final = 2e-3
 """Change of s_y over lambda_max in the last Newton step."""
@@ -53,6 +53,8 @@ class TyreSlips:
     """Lateral force of the axle over k [N]."""
     force_by_offset: Array | float
     """Its derivative by LATERAL_OFFSET [kg]."""
+    force_by_share: Array | float
+    """Its derivative by FRONT_LOAD_SHARE [N]."""
     across_stddev: Array | float
     """[-]"""
     by_force: Array | float
@@ -90,7 +92,7 @@ def tyre_slips(
     s_x = moved.relaxed
     if not turns(car, nodes, mu_max):
         curve = curve_values(family, log_peak, shape, s_x / peak)
-        return TyreSlips(s_x, curve, 1.0, None, 0.0, 0.0, 0.0, 0.0, 0.0, mu_max / peak * curve.slope)
+        return TyreSlips(s_x, curve, 1.0, None, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, mu_max / peak * curve.slope)
     ratio = exp(float(p[Unknown.LOG_MASS]) - float(p[Unknown.LOG_ACROSS]))
     share = (car.share_fixed + car.share_sign * p[Unknown.FRONT_LOAD_SHARE]) / car.share
     spinning = car.inertia * exp(float(p[Unknown.LOG_INERTIA])) * nodes.wheel_acceleration
@@ -124,6 +126,7 @@ def tyre_slips(
         s_y,
         asked,
         by_offset,
+        asked * car.share_sign / (share * car.share),
         np.hypot(FORCE_STDDEV * asked, _BIAS * by_offset) * by_force,
         by_force,
         along * sideways * (rise - secant),
@@ -133,7 +136,7 @@ def tyre_slips(
 
 def turns(car: CarConstants, nodes: Nodes, mu_max: float) -> bool:
     """Whether the tyres use so much of their friction across that it matters along."""
-    return bool(car.partner) and float(np.abs(nodes.leftward).max()) > _STRAIGHT * mu_max * GRAVITY
+    return bool(car.partner) and float(np.abs(nodes.rolled).max()) > _STRAIGHT * mu_max * GRAVITY
 
 
 def shows_friction(tyres: TyreSlips, mu_max: float) -> NDArray[np.bool_] | bool:
@@ -167,11 +170,15 @@ def across_gradient(car: CarConstants, moved: Motion, tyres: TyreSlips, by_curve
         own[wheel, :, SHARED + wheel] = by_slip[wheel] * moved.relaxed_by_offset
     per_load = sideways * by_curve[:, :, Unknown.LOG_MU_MAX]
     own[:, :, Unknown.LOG_HEIGHT_RATIO] = per_load * moved.load_by_height
+    own[:, :, Unknown.FRONT_LOAD_SHARE] = per_load * moved.load_by_share
+    own[:, :, Unknown.ACCELEROMETER_OFFSET] += per_load * moved.load_by_offset
+    own[:, :, Unknown.ACCELEROMETER_SCALE] += per_load * moved.load_by_scale
     own[:, :, Unknown.FRONT_ROLL_SHARE] = per_load * moved.load_by_roll
     for row, unknown in enumerate(PITCH_UNKNOWNS):
         own[:, :, unknown] += per_load * moved.load_by_pitch[row]
     own += own[car.partner]
     own[:, :, Unknown.LOG_ACROSS] = tyres.force
+    own[:, :, Unknown.FRONT_LOAD_SHARE] -= tyres.force_by_share
     own[:, :, Unknown.LATERAL_OFFSET] = -tyres.force_by_offset
     own *= np.asarray(-tyres.by_force)[:, :, np.newaxis]
     return own

@@ -7,7 +7,7 @@ window of the newest second stays as a quadratic, which fades.
 """
 
 from dataclasses import replace
-from math import exp, hypot, inf, isfinite, isnan, nan
+from math import exp, hypot, inf, isfinite, isnan, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,10 +35,12 @@ from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_f
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.passing import Passing
 from friction_curve_id.car.present_slip import present_slip
-from friction_curve_id.car.prior import car_prior, radius_deviation
+from friction_curve_id.car.prior import SLIP_OFFSET_STDDEV, car_prior, radius_deviation
 from friction_curve_id.car.tyre_deviations import LAMBDA_MAX, mu_max_deviations, side_deviations
 from friction_curve_id.car.unknowns import Unknown
 from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, Refusal, RestartCause
+from vehicle_models.constants import GRAVITY
+from vehicle_models.lateral_forces import ACROSS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
@@ -81,6 +83,8 @@ _LONGER = 2
 """What a fit that has gone back has to arrive once more, in its steps until then: its formula may be the wrong one."""
 _KNOWN_MU = 0.1
 """Relative deviation of mu_max below which another road is told from the present one."""
+_MOST_UNMEASURED = 0.03
+"""Share of the friction along the wheels that a curve may take where nothing measures the motion across."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -499,6 +503,11 @@ class CarEstimator:
         since = time - self._began_at
         if since < _EARLIEST_VALID and self._earliest_valid == _EARLIEST_VALID:
             return Reason.NOT_READY, f"waiting for {_EARLIEST_VALID} s of braking"
+        if self._in_unmeasured_curve(peak):
+            return (
+                Reason.UNCERTAIN,
+                "in a curve: yaw rate or lateral acceleration is missing, check imu/data",
+            )
         if not self._passing.begun:
             return Reason.PEAK_NOT_PASSED, "waiting for a wheel to pass the peak"
         if not (self._passing.seen and self._passing.long_ago(time - self._start.time)):
@@ -520,6 +529,18 @@ class CarEstimator:
                 "the wheels follow no common curve: run vehicle_doctor",
             )
         return Reason.OK, ""
+
+    def _in_unmeasured_curve(self, peak: Peak) -> bool:
+        """Whether the wheels show a curve that takes much of the friction, and nothing measures it."""
+        fit = self._fits[int(np.argmax(peak.weights))]
+        if self._lateral_at is not None or fit.steps == 0:
+            return False
+        turned = float(fit.unknowns[Unknown.CURVE] + fit.unknowns[Unknown.CURVE_RATE] * fit.newest)
+        stddev = hypot(sqrt(fit.covariance[Unknown.CURVE, Unknown.CURVE]), SLIP_OFFSET_STDDEV)
+        speed = float(fit.moved.speed[-1])
+        leftward = turned * speed**2 / self._car.half_track
+        across = leftward / (ACROSS * GRAVITY * exp(peak.log_mu_max))
+        return abs(turned) > 2.0 * stddev and 0.5 * across**2 > _MOST_UNMEASURED
 
     def _reason_of_lambda_max(self, peak: Peak) -> tuple[Reason, str]:
         stddev = hypot(peak.log_lambda_stddev, self._unresolved)

@@ -38,7 +38,7 @@ _CURVE_STDDEV = 0.006
 """Half the track over the radius of the curve: 125 m."""
 _CURVE_RATE_STDDEV = 0.006
 """Of its growth [1/s]: a driver who begins to turn while he brakes."""
-YAW_RATE_STDDEV = 0.02
+_YAW_RATE_STDDEV = 0.02
 """Of the bias of a measured yaw rate [rad/s]."""
 _ACROSS_STDDEV = 0.06
 """Of ln of the friction of a tyre across over that along."""
@@ -47,7 +47,7 @@ _SIDEWAYS_STDDEV = 0.4
 _FADING_STDDEV = 0.08
 _OTHER_WHEELS = 0.15
 """Relative deviation of the deceleration of the car from that of the wheels that are measured."""
-_SLIP_OFFSET_STDDEV = 5e-4
+SLIP_OFFSET_STDDEV = 5e-4
 """Of the slip of a rolling wheel, where its radius is not known exactly."""
 
 
@@ -116,7 +116,7 @@ def car_prior(
     put(Unknown.START_SPEED, 0.0, _START_SPEED_STDDEV)
     two_sides = len({wheel.side for wheel in wheels}) > 1
     if lateral_at is not None:
-        bias = YAW_RATE_STDDEV * 0.5 * vehicle.track / lateral_at
+        bias = _YAW_RATE_STDDEV * 0.5 * vehicle.track / lateral_at
         put(Unknown.CURVE, 0.0, bias)
         put(Unknown.CURVE_RATE, 0.0, bias)
         put(Unknown.LOG_ACROSS, log(ACROSS), _ACROSS_STDDEV)
@@ -155,7 +155,7 @@ def car_prior(
         )
     share_stddev = 0.0 if _one_axle(vehicle) else absolute_deviation(vehicle.deviations, "front_load_share")
     put(Unknown.FRONT_LOAD_SHARE, vehicle.front_load_share, share_stddev)
-    stddev[SHARED:] = _SLIP_OFFSET_STDDEV if radius > 0.0 else 0.0
+    stddev[SHARED:] = SLIP_OFFSET_STDDEV if radius > 0.0 else 0.0
     return Prior(mean, stddev)
 
 

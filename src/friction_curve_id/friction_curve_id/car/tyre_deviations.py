@@ -31,7 +31,7 @@ def mu_max_deviations(moved: Motion) -> Array:
 
 
 def side_deviations(moved: Motion) -> Array:
-    """Relative deviations of the friction of each wheel by its tyre and by its load, see difference_by_tyres, (2, W)."""
+    """Deviations of the friction of each wheel by its tyre and by its load, see difference_by_tyres, shape (2, W)."""
     by_load = _LOAD_SENSITIVITY * _transferred(moved).mean(axis=1)
     return np.stack([np.full_like(by_load, MU_MAX), by_load])
 

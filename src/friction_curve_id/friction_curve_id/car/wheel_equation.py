@@ -113,8 +113,7 @@ def wheel_equation(
     for row, unknown in enumerate(SPEED_UNKNOWNS):
         tyre_jacobian[:, :, unknown] = tyre_by_slip * moved.relaxed_by_speed[row]
     tyre_jacobian[:, :, Unknown.ACCELEROMETER_OFFSET] += per_load * moved.load_by_offset
-    scale = 1.0 + p[Unknown.ACCELEROMETER_SCALE]
-    tyre_jacobian[:, :, Unknown.ACCELEROMETER_SCALE] -= per_load * moved.load_by_height / scale
+    tyre_jacobian[:, :, Unknown.ACCELEROMETER_SCALE] += per_load * moved.load_by_scale
     tyre_jacobian[:, :, Unknown.RELAXATION_LENGTH] = tyre_by_slip * moved.relaxed_by_length
     tyre_jacobian[:, :, Unknown.CURVE] = tyre_by_slip * car.left * moved.relaxed_by_offset
     tyre_jacobian[:, :, Unknown.CURVE_RATE] = tyre_by_slip * car.left * moved.relaxed_by_growth
