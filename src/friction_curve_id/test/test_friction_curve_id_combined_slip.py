@@ -62,10 +62,10 @@ def in_a_curve(family: Family) -> Array:
 def slips_at(samples: BrakingSamples, start: Start, nodes: Nodes, family: Family, p: Array) -> TyreSlips:
     car = CarConstants(CAR, WHEELS)
     torque, _ = delayed(samples, nodes, start, float(p[Unknown.PRESSURE_DELAY]))
-    found = None
-    for _ in range(4):
-        found = tyre_slips(car, nodes, motion(car, nodes, p, Carried()), torque, family, p, found and found.across)
-    assert found is not None
+    moved = motion(car, nodes, p, Carried())
+    found = tyre_slips(car, nodes, moved, torque, family, p, None)
+    for _ in range(3):
+        found = tyre_slips(car, nodes, moved, torque, family, p, found.across)
     return found
 
 

@@ -10,7 +10,7 @@ from math import expm1, isfinite
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from vehicle_models.vehicle import FRONT, Vehicle
 
@@ -46,7 +46,7 @@ class AxleForces:
         self._moment = np.where(is_front, 1.0, -1.0) / vehicle.wheelbase
         self._inertia = GYRATION * vehicle.mass * share * (1.0 - share) * vehicle.wheelbase**2
 
-    def at(self, leftward: ArrayLike, yaw_acceleration: ArrayLike, moment: ArrayLike) -> Array:
+    def at(self, leftward: Array | float, yaw_acceleration: Array | float, moment: Array | float) -> Array:
         """Return the lateral force of the axle of each wheel, to the left [N], (n,) and the shape of the arguments.
 
         Args:
@@ -54,8 +54,8 @@ class AxleForces:
             yaw_acceleration: counter-clockwise [rad/s^2].
             moment: yaw moment of the brakes, counter-clockwise [N m].
         """
-        turning = self._inertia * np.asarray(yaw_acceleration) - moment
-        return np.multiply.outer(self._mass, leftward) + np.multiply.outer(self._moment, turning)
+        turning = self._inertia * np.asarray(yaw_acceleration) - np.asarray(moment)
+        return np.asarray(np.multiply.outer(self._mass, leftward) + np.multiply.outer(self._moment, turning))
 
 
 class Sideslip:
