@@ -451,7 +451,7 @@ class CarEstimator:
         mu, slope = mu_max * curve.value, mu_max / lambda_max * curve.slope
         of_lambda, of_mu = 0.0, np.zeros(len(self._index))
         if len(self._fits) > 1:  # with one formula given, the tyres are given to be of it
-            of_lambda, of_mu = LAMBDA_MAX, mu_max_deviations(self._fits[best].moved)
+            of_lambda, of_mu = LAMBDA_MAX, mu_max_deviations(self._fits[best].moved, self._fits[best].tyres)
         log_mu_stddev = hypot(peak.log_mu_stddev, self._misfit, UNRESOLVED_HEIGHT * self._unresolved)
         mu_stddevs = [reaching_up(hypot(log_mu_stddev, float(each))) for each in of_mu]
         theta = UNKNOWN_THETA
