@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any
 
 from benchmarks.real_car.bound import Bound, bound, bound_rows
+from benchmarks.real_car.curves import CASES, curve_rows, make_curve_stop
 from benchmarks.real_car.driving import (
     DRIVE,
     Drive,
@@ -104,7 +105,7 @@ def perturbed_car(perturbation: str, road: str, method: str) -> tuple[CarParamet
 
 _FIRST_SEED = 40_000
 """Far from the seeds of the tuning."""
-_STUDIES = ("perturbations", "random", "before_peak", "road_change", "driving", "known", "cost")
+_STUDIES = ("perturbations", "random", "before_peak", "road_change", "driving", "known", "cost", "curves")
 _KNOWN_RUNS = 20
 """Runs of a known corner in one task of a process."""
 _TIMED = 2
@@ -121,6 +122,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--perturbations", nargs="+", choices=PERTURBATIONS, default=list(PERTURBATIONS), help="for 'perturbations'"
     )
+    parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES), help="for 'curves', by name")
     parser.add_argument("--processes", type=count, default=2, help="processes that share the runs")
 
 
@@ -134,6 +136,7 @@ def run(options: argparse.Namespace) -> list[Row]:
         "driving": _driving,
         "known": _known,
         "cost": _cost,
+        "curves": _curves,
     }
     return [row for name in options.studies for row in studies[name](options)]
 
@@ -236,6 +239,15 @@ def _known(options: argparse.Namespace) -> list[Row]:
 def _cost(options: argparse.Namespace) -> list[Row]:
     jobs = [Bound(_FIRST_SEED + seed, road, _family(seed)) for road in ROADS for seed in range(_TIMED)]
     return cost_rows(in_processes(timed, jobs, "cost", 1))
+
+
+def _curves(options: argparse.Namespace) -> list[Row]:
+    jobs = [(name, _FIRST_SEED + seed) for name in options.cases for seed in range(options.seeds)]
+    stops = in_processes(make_curve_stop, jobs, "curves", options.processes)
+    rows: list[Row] = []
+    for number, name in enumerate(options.cases):
+        rows += curve_rows(CASES[name], stops[number * options.seeds : (number + 1) * options.seeds])
+    return rows
 
 
 def _family(number: int) -> str:

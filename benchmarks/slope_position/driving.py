@@ -4,8 +4,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from benchmarks.cycled_stops import VEHICLE, sensor_messages
 from benchmarks.runner import Row, at_most, not_judged, run_lengths
-from benchmarks.slope_position.stops import VEHICLE, Told, graph_of, sensor_messages, take
+from benchmarks.slope_position.stops import Told, graph_of, take
 from corner_sim.car.car import STEP
 from corner_sim.car.cornering_car import CorneringCar
 from corner_sim.car.driving import OrdinaryDriver

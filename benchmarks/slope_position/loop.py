@@ -6,8 +6,9 @@ import numpy as np
 from friction_msgs.msg import FrictionSlope
 
 from benchmarks.closed_loop import loop_parameters, take_sample
+from benchmarks.cycled_stops import LEAST_SPEED, VEHICLE
 from benchmarks.protocol import ACCELERATION_OFFSET, ACCELERATION_STDDEV, SPEED
-from benchmarks.slope_position.stops import LEAST_SPEED, VEHICLE, Case, Stop, Told, note, sign_tables
+from benchmarks.slope_position.stops import Case, Stop, Told, note, sign_tables
 from corner_sim.car_plant import CAR, in_order
 from corner_sim.parameters import SimParameters
 from corner_sim.ros.simulation import Simulation

@@ -216,11 +216,12 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
     parser = argparse.ArgumentParser()
     part.add_arguments(parser)
     arguments = ["--seeds", "1", "--hours", "0.002", "--processes", "1", "--perturbations", "48 teeth at 100 Hz"]
-    rows = part.run(parser.parse_args(arguments))
+    rows = part.run(parser.parse_args([*arguments, "--cases", "held 0.6 g", "shallow, wet 0.5 g"]))
     assert {row["case"] for row in rows} == {
         *("48 teeth at 100 Hz", "random cars", "ordinary driving"),
         *("before the peak, burckhardt", "before the peak, pacejka"),
         *("known exactly, exact_vehicle", "known exactly, car", "cost, exact_vehicle", "cost, car"),
+        *("held 0.6 g", "shallow, wet 0.5 g"),
         *("road change", "ordinary driving, friction_slope slip", "ordinary driving, friction_slope no_slip"),
     }
     assert {row["road"] for row in rows} == {"wet", "all", "dry to wet", *TABLE_8_1}

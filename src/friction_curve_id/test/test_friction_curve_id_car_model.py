@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
 from friction_curve_id.car.car_model import CarConstants, Carried, brake_gains, gains_by_fading, motion
+from friction_curve_id.car.combined_slip import tyre_slips
 from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family, burckhardt_k, curve_values
 from friction_curve_id.car.evidence import mixture, reaching_up, unresolved
 from friction_curve_id.car.fit import CurveFit, WheelSpeedNoise
@@ -120,7 +121,8 @@ def test_the_jacobian_of_the_wheel_equation_is_that_of_its_errors(family: Family
     def equation(unknowns: Array) -> tuple[Array, Array]:
         moved = motion(car, nodes, unknowns, Carried())
         torque, rate = delayed(samples, nodes, start, float(unknowns[Unknown.PRESSURE_DELAY]))
-        found = wheel_equation(car, nodes, moved, torque, rate, family, unknowns, 5.0)
+        tyres = tyre_slips(car, nodes, moved, torque, family, unknowns, None)
+        found = wheel_equation(car, nodes, moved, torque, rate, tyres, unknowns, 5.0)
         return found.error, found.jacobian
 
     jacobian = equation(p)[1]
@@ -144,7 +146,8 @@ def test_the_scale_of_torque_moves_no_error() -> None:
     p = car_prior(CAR, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.023, True).mean
     moved = motion(car, nodes, p, Carried())
     torque, rate = delayed(samples, nodes, start, 0.0)
-    found = wheel_equation(car, nodes, moved, torque, rate, Family.PACEJKA, p, 5.0)
+    tyres = tyre_slips(car, nodes, moved, torque, Family.PACEJKA, p, None)
+    found = wheel_equation(car, nodes, moved, torque, rate, tyres, p, 5.0)
     scaled = [Unknown.LOG_GAIN_FRONT, Unknown.LOG_GAIN_REAR, Unknown.LOG_MASS, Unknown.LOG_INERTIA]
     assert found.jacobian[:, :, scaled].sum(axis=2) == pytest.approx(0.0, abs=1e-9)
 
@@ -191,7 +194,9 @@ def test_the_balance_of_a_car_that_brakes_as_it_reads_is_level() -> None:
     p = car_prior(vehicle, WHEELS, SHAPE_PRIORS[Family.PACEJKA], 0.023, True).mean
     p[Unknown.PITCH_READING] = 0.0
     moved = motion(car, nodes, p, Carried())
-    errors, rows = car_balance(car, nodes, moved, np.full((4, 59), 350.0), np.zeros((4, 59, len(OF_TORQUE))), p)
+    torque = np.full((4, 59), 350.0)
+    tyres = tyre_slips(car, nodes, moved, torque, Family.PACEJKA, p, None)
+    errors, rows = car_balance(car, nodes, moved, tyres, torque, np.zeros((4, 59, len(OF_TORQUE))), p)
     assert errors == pytest.approx(0.0, abs=0.02)
     assert rows.shape == (len(errors), SHARED + 4)
 

@@ -15,12 +15,12 @@ from corner_sim.car.tyres import TYRES
 from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.one_road import (
     MOST_CHANGE,
-    MOST_DIFFERENCE,
     MOST_MISFIT,
     STILL_CHANGED,
     STILL_MISFIT,
     RoadWatch,
     change_of_friction,
+    difference_by_tyres,
     difference_of_sides,
     misfit_at_peak,
 )
@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 LEFT = np.array([[1.0], [-1.0], [1.0], [-1.0]])
 TIME = np.arange(0.0, 0.6, 0.005)
 FITTED = np.full((4, TIME.size), 0.8)
+BY_TYRES = np.array([[0.03] * 4, [0.0] * 4])
 
 
 def used(since: float = 0.0, sides: Sequence[float] = (1.0, 1.0), noise: float = 0.05) -> Array:
@@ -43,7 +44,7 @@ def used(since: float = 0.0, sides: Sequence[float] = (1.0, 1.0), noise: float =
 
 def test_a_load_that_varies_is_one_road() -> None:
     assert abs(change_of_friction(used(), FITTED, TIME)) < 0.5 * MOST_CHANGE
-    assert abs(difference_of_sides(used(), FITTED, LEFT, TIME)) < 0.5 * MOST_DIFFERENCE
+    assert abs(difference_of_sides(used(), FITTED, LEFT, TIME)) < difference_by_tyres(FITTED, LEFT, BY_TYRES)
 
 
 @pytest.mark.parametrize("since", [-0.4, -0.15, 0.15, 1.0])
@@ -75,7 +76,7 @@ def test_what_lasts_counts_until_the_end_of_the_braking_and_a_bump_does_not(step
     watch, steps = RoadWatch(), count()
 
     def update(found: Array) -> str:
-        return watch.update(found, FITTED, LEFT, TIME + step * next(steps), np.nan)
+        return watch.update(found, FITTED, LEFT, TIME + step * next(steps), np.nan, BY_TYRES)
 
     assert "changed" in update(used(0.5))
     assert update(used()) == ""
@@ -91,24 +92,24 @@ def test_a_change_holds_while_nothing_new_is_told_and_while_the_curve_goes_over_
     nothing = np.where(TIME[-1] - 0.1 < TIME, 0.0, FITTED)
     smaller = 0.5 * (MOST_CHANGE + STILL_CHANGED)
     watch = RoadWatch()
-    assert watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME, np.nan) == ""
-    assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME, np.nan)
+    assert watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME, np.nan, BY_TYRES) == ""
+    assert "changed" in watch.update(used(0.5), FITTED, LEFT, TIME, np.nan, BY_TYRES)
     for _ in range(10):
-        assert "changed" in watch.update(used(), nothing, LEFT, TIME, np.nan)
+        assert "changed" in watch.update(used(), nothing, LEFT, TIME, np.nan, BY_TYRES)
     for _ in range(10):
-        assert "changed" in watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME, np.nan)
+        assert "changed" in watch.update(used(smaller, noise=0.0), FITTED, LEFT, TIME, np.nan, BY_TYRES)
     # Neither steps without news nor smaller changes have made it lasting.
-    assert watch.update(used(noise=0.0), FITTED, LEFT, TIME, np.nan) == ""
+    assert watch.update(used(noise=0.0), FITTED, LEFT, TIME, np.nan, BY_TYRES) == ""
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_misfit_at_the_peak_refuses_until_the_friction_there_is_that_of_the_curve_again(sign: float) -> None:
     watch = RoadWatch()
-    assert watch.update(used(), FITTED, LEFT, TIME, sign * 0.9 * MOST_MISFIT) == ""
+    assert watch.update(used(), FITTED, LEFT, TIME, sign * 0.9 * MOST_MISFIT, BY_TYRES) == ""
     for misfit in (1.1 * MOST_MISFIT, np.nan, 1.1 * STILL_MISFIT):
         for _ in range(10):
-            assert "near the peak" in watch.update(used(), FITTED, LEFT, TIME, sign * misfit)
-    assert watch.update(used(), FITTED, LEFT, TIME, sign * 0.9 * STILL_MISFIT) == ""
+            assert "near the peak" in watch.update(used(), FITTED, LEFT, TIME, sign * misfit, BY_TYRES)
+    assert watch.update(used(), FITTED, LEFT, TIME, sign * 0.9 * STILL_MISFIT, BY_TYRES) == ""
 
 
 def stop(split: bool) -> Recording:

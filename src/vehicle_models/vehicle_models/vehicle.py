@@ -175,6 +175,12 @@ class Vehicle:
         1.5, "natural frequency with which the body pitches", unit="Hz", minimum=0.3, maximum=10.0
     )
     pitch_damping: float = parameter(0.3, "damping ratio of that motion", minimum=0.05, maximum=0.95)
+    front_roll_share: float = parameter(
+        0.55,
+        "share of the roll moment that the front axle takes, by springs and stabilisers",
+        minimum=0.05,
+        maximum=0.95,
+    )
     track: float = parameter(1.5, "distance of the wheels of an axle", unit="m", minimum=0.3, maximum=5.0)
     drag_area: float = parameter(0.0, "drag coefficient times frontal area", unit="m^2", minimum=0.0, maximum=20.0)
     rolling_resistance: float = parameter(0.0, "coefficient of rolling resistance", minimum=0.0, maximum=0.5)
@@ -310,6 +316,7 @@ STATED = {
 """Relative deviations of what a vehicle file does not state."""
 STATED_ABSOLUTE = {
     "front_load_share": 0.0115,
+    "front_roll_share": 0.05,
     "brake_pressure_delay": 0.012,
     "engine_drag_torque": 46.0,
     "bias": 0.17,

@@ -57,6 +57,34 @@ LEAST_SHARE: Final = 0.1
 """Smallest load over that at rest: a wheel that lifts is not described, and a division by its load stays finite."""
 
 
+class PitchMode:
+    """The oscillation q_ddot = w^2 (q_ss - q) - 2 z w q_dot, step by step, exact for a linear q_ss."""
+
+    def __init__(self, frequency: float, damping: float) -> None:
+        """Choose natural frequency [Hz] and damping ratio, below 1."""
+        self._frequency, self._damping = 2.0 * pi * frequency, damping
+        self.settle(0.0)
+
+    def settle(self, settled: float) -> None:
+        """Take q_ss for one that has lasted."""
+        self._settled = self.moved = settled
+        self.rate = 0.0
+        """dq/dt, in units of q per second."""
+
+    def step(self, dt: float, settled: float) -> None:
+        """Advance by dt [s] to q_ss = `settled`."""
+        w, z = self._frequency, self._damping
+        slope = (settled - self._settled) / dt
+        # Behind a ramp of q_ss the mode moves steadily, 2 z / w late; what differs from that is a free oscillation.
+        behind = 2.0 * z / w * slope
+        away, rate = self.moved - (self._settled - behind), self.rate - slope
+        damped = w * sqrt(1.0 - z * z)
+        decay, c, s = exp(-z * w * dt), cos(damped * dt), sin(damped * dt) / damped
+        self.moved = settled - behind + decay * ((c + z * w * s) * away + s * rate)
+        self.rate = slope + decay * ((c - z * w * s) * rate - w * w * s * away)
+        self._settled = settled
+
+
 class WheelLoad:
     """Load of one wheel, sample by sample."""
 
@@ -75,22 +103,23 @@ class WheelLoad:
         share = vehicle.transfer_shares[vehicle.wheel_names.index(wheel)]
         self.transfer = -share * vehicle.mass
         """Steady change of load over acceleration, forward positive [kg]; 0 where there is one axle only."""
-        self._frequency = 2.0 * pi * vehicle.pitch_frequency
-        self._damping = vehicle.pitch_damping
+        self._mode = PitchMode(vehicle.pitch_frequency, vehicle.pitch_damping)
         self.reset()
 
     def reset(self) -> None:
         """Forget the past: the next acceleration is taken to have lasted."""
         self._stamp: int | None = None
-        self._settled = 0.0
-        self._moved = 0.0
-        self.rate = 0.0
+        self._mode.settle(0.0)
+
+    @property
+    def rate(self) -> float:
         """dFz/dt [N/s], forgetting LEAST_SHARE."""
+        return self._mode.rate
 
     @property
     def load(self) -> float:
         """Fz [N], at least LEAST_SHARE of that at rest."""
-        return max(self.at_rest + self._moved, LEAST_SHARE * self.at_rest)
+        return max(self.at_rest + self._mode.moved, LEAST_SHARE * self.at_rest)
 
     def update(self, stamp: int, acceleration: float) -> None:
         """Take the acceleration of the car at a stamp.
@@ -101,21 +130,10 @@ class WheelLoad:
         """
         settled = self.transfer * acceleration
         if self._stamp is None:
-            self._moved, self.rate = settled, 0.0
+            self._mode.settle(settled)
         else:
-            self._step((stamp - self._stamp) * NANOSECOND, settled)
-        self._stamp, self._settled = stamp, settled
-
-    def _step(self, dt: float, settled: float) -> None:
-        w, z = self._frequency, self._damping
-        slope = (settled - self._settled) / dt
-        # Behind a ramp of q_ss the mode moves steadily, 2 z / w late; what differs from that is a free oscillation.
-        behind = 2.0 * z / w * slope
-        away, rate = self._moved - (self._settled - behind), self.rate - slope
-        damped = w * sqrt(1.0 - z * z)
-        decay, c, s = exp(-z * w * dt), cos(damped * dt), sin(damped * dt) / damped
-        self._moved = settled - behind + decay * ((c + z * w * s) * away + s * rate)
-        self.rate = slope + decay * ((c - z * w * s) * rate - w * w * s * away)
+            self._mode.step((stamp - self._stamp) * NANOSECOND, settled)
+        self._stamp = stamp
 
 
 @dataclass(frozen=True)

@@ -56,6 +56,12 @@ class CarParameters:
     """Height of the centre of gravity [m]; 0: no load transfer."""
     track: float = 1.5
     """[m]"""
+    front_roll_stiffness: float = 0.56
+    """Share of the roll moment that the front axle takes [-]; in CorneringCar, as the two that follow."""
+    gyration: float = 0.95
+    """Yaw inertia over that of masses at the axles [-]."""
+    across: float = 0.9
+    """Friction of a tyre across over that along [-]."""
     drag_area: float = 0.65
     """[m^2]"""
     rolling_resistance: float = 0.012

@@ -18,12 +18,6 @@ from corner_sim.car.car_parameters import CarParameters
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
 
 _SUBSTEPS = 2
-_GYRATION = 0.95
-"""Yaw inertia over that of masses at the axles [-]."""
-_ACROSS = 0.9
-"""Friction of a tyre across over that along [-]."""
-_FRONT_ROLL_STIFFNESS = 0.56
-"""Share of the roll moment that the front axle takes [-]."""
 _ROLL_FREQUENCY, _ROLL_DAMPING = 1.9, 0.4
 """Natural frequency [Hz] and damping ratio of the roll of the body."""
 _REACTION = 0.12
@@ -49,14 +43,14 @@ class CorneringCar(Car):
         self._lateral_slip = [0.0] * 4
         self._ahead = p.wheelbase * (1.0 - p.front_load_share)
         self._behind = p.wheelbase * p.front_load_share
-        self._yaw_inertia = _GYRATION * p.mass * self._ahead * self._behind
+        self._yaw_inertia = p.gyration * p.mass * self._ahead * self._behind
 
     @property
     def _even_load(self) -> list[float]:
         p = self._p
         pitched = -0.5 * p.mass * p.height / p.wheelbase * self.pitch.load_acceleration
         rolled = p.mass * p.height / p.track * self.roll.load_acceleration
-        split = (_FRONT_ROLL_STIFFNESS,) * 2 + (1.0 - _FRONT_ROLL_STIFFNESS,) * 2
+        split = (p.front_roll_stiffness,) * 2 + (1.0 - p.front_roll_stiffness,) * 2
         weight = p.mass * GRAVITY
         return [
             max(weight * share + end * pitched - side * of_axle * rolled, 0.0)
@@ -126,7 +120,7 @@ class CorneringCar(Car):
             s_y = self._lateral_slip[i]
             sigma = max(hypot(s_x, s_y), 1e-9)
             force = grips[i] * self.tyres[i].friction(sigma)[0] * loads[i]
-            f_x, f_y = -force * s_x / sigma, -_ACROSS * force * s_y / sigma
+            f_x, f_y = -force * s_x / sigma, -p.across * force * s_y / sigma
             drive = (rear if i > 1 else 0.0) - brake_torque[i]
             omega = self.wheel_speed[i] + dt * (drive - radius * f_x) / p.inertia[i]
             self.wheel_speed[i] = max(omega, 0.0)

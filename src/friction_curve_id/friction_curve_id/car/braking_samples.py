@@ -18,6 +18,10 @@ class BrakingSamples:
         self._acceleration = np.zeros(capacity)
         self._speed_change = np.zeros(capacity)
         self._closed = np.zeros(capacity)
+        self._yaw_rate = np.zeros(capacity)
+        self._leftward = np.zeros(capacity)
+        self._sideways = np.zeros(capacity)
+        self._rolled = np.zeros(capacity)
         self.count = 0
 
     @property
@@ -55,6 +59,36 @@ class BrakingSamples:
         """1 where the throttle is closed, shape (n,)."""
         return self._closed[: self.count]
 
+    @property
+    def yaw_rate(self) -> Array:
+        """Yaw rates, counter-clockwise [rad/s], shape (n,)."""
+        return self._yaw_rate[: self.count]
+
+    @property
+    def leftward(self) -> Array:
+        """Lateral accelerations, to the left [m/s^2], shape (n,)."""
+        return self._leftward[: self.count]
+
+    @property
+    def sideways(self) -> Array:
+        """Integral of the lateral acceleration less the centripetal one [m/s], shape (n,)."""
+        return self._sideways[: self.count]
+
+    @property
+    def rolled(self) -> Array:
+        """Lateral accelerations whose steady load transfer acts [m/s^2], shape (n,)."""
+        return self._rolled[: self.count]
+
+    def turn(self, yaw_rate: float, leftward: float, sideways: float, rolled: float) -> None:
+        """Add the motion across the car to the newest sample, which has none."""
+        k = self.count - 1
+        self._yaw_rate[k], self._leftward[k] = yaw_rate, leftward
+        self._sideways[k], self._rolled[k] = sideways, rolled
+
+    def straighten(self) -> None:
+        """Forget the motion across the car."""
+        self._yaw_rate[:] = self._leftward[:] = self._sideways[:] = self._rolled[:] = 0.0
+
     def clear(self) -> None:
         """Forget all samples."""
         self.count = 0
@@ -73,6 +107,7 @@ class BrakingSamples:
             self._work[:, k] = self._work[:, k - 1] + done
         self._acceleration[k] = acceleration
         self._closed[k] = closed
+        self._yaw_rate[k] = self._leftward[k] = self._sideways[k] = self._rolled[k] = 0.0
         self._speed_change[k] = gained + (self._speed_change[k - 1] if k > 0 else 0.0)
         self.count = k + 1
 
@@ -83,7 +118,8 @@ class BrakingSamples:
     def drop_oldest(self, number: int) -> None:
         """Forget the oldest samples."""
         keep = self.count - number
-        arrays = (self._time, self._acceleration, self._speed_change, self._closed)
+        across = (self._yaw_rate, self._leftward, self._sideways, self._rolled)
+        arrays = (self._time, self._acceleration, self._speed_change, self._closed, *across)
         for array in (*arrays, self._wheel_speed, self._torque, self._work):
             array[..., :keep] = array[..., number : self.count].copy()
         self.count = keep

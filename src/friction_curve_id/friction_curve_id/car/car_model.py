@@ -19,6 +19,7 @@ from scipy.linalg.lapack import dtbtrs
 from friction_curve_id.car.pitch import Pitch, PitchState, pitch_of_body
 from friction_curve_id.car.unknowns import FADING_WORK, SHARED, Unknown
 from vehicle_models.constants import GRAVITY
+from vehicle_models.lateral_forces import AxleForces
 from vehicle_models.vehicle import FRONT, Vehicle
 
 Array = NDArray[np.float64]
@@ -52,15 +53,27 @@ class CarConstants:
         self.driven = np.array([float(wheel.driven) for wheel in wheels]).reshape(column)
         self.front = np.array([float(wheel.axle == FRONT) for wheel in wheels]).reshape(column)
         self.left = np.array([1.0 if wheel.side == "left" else -1.0 for wheel in wheels]).reshape(column)
+        places = [(wheel.axle, wheel.side) for wheel in wheels]
+        others = {"left": "right", "right": "left"}
+        self.partner = [places.index((axle, others[side])) for axle, side in places] if len(wheels) == 4 else []
+        """Other wheel of the axle of each wheel, by index; empty where not all four wheels are measured."""
+        self.front_wheel, self.rear_wheel = int(np.argmax(self.front)), int(np.argmin(self.front))
+        self.axles = AxleForces(vehicle)
+        self.behind = vehicle.wheelbase * vehicle.front_load_share
+        self.half_track, self.wheelbase = 0.5 * vehicle.track, vehicle.wheelbase
         self.teeth = np.array([wheel.encoder_teeth for wheel in wheels], dtype=float).reshape(column)
         share, transfer = np.array(vehicle.load_shares), np.array(vehicle.transfer_shares)
         self.transfer = transfer[list(present)].reshape(column)
         nominal = share[list(present)].reshape(column)
+        self.roll = -self.left * (vehicle.centre_of_gravity_height / vehicle.track)
+        """Load that a wheel gains by lateral acceleration to the left, if its axle takes all of it, over the mass."""
         one_axle = all(wheel.axle == FRONT for wheel in vehicle.wheels)
         count = np.array([sum(each.axle == wheel.axle for each in vehicle.wheels) for wheel in wheels], dtype=float)
         sign = np.where(self.front > 0.0, 1.0, -1.0) / count.reshape(column)
         self.share_sign = np.zeros(column) if one_axle else sign
         self.share_fixed = nominal - self.share_sign * vehicle.front_load_share
+        self.share = nominal
+        """Of the load at rest by the vehicle file."""
         self.carried_share = float(nominal.sum())
         self.mass = vehicle.mass
         self.rolling = vehicle.rolling_resistance
@@ -95,6 +108,16 @@ class Nodes:
     """Whether the wheel turns: the brake of a locked one does not act with its torque. Shape (W, n)."""
     work: Array
     """Work of the brakes at nominal gain [J], shape (W, n)."""
+    yaw_rate: Array
+    """Counter-clockwise [rad/s], shape (n,); zero where it is not measured."""
+    yaw_acceleration: Array
+    """[rad/s^2], shape (n,)."""
+    leftward: Array
+    """Lateral acceleration [m/s^2], shape (n,)."""
+    sideways: Array
+    """Integral of leftward - yaw_rate v over `time` [m/s], shape (n,)."""
+    rolled: Array
+    """Lateral acceleration whose steady load transfer acts [m/s^2], shape (n,)."""
     spread: float
     """Share of its second difference that a torque's mean between the wheel speeds has more than its node [-]."""
 
@@ -114,6 +137,11 @@ class Nodes:
             self.closed[nodes],
             self.turning[:, nodes],
             self.work[:, nodes],
+            self.yaw_rate[nodes],
+            self.yaw_acceleration[nodes],
+            self.leftward[nodes],
+            self.sideways[nodes],
+            self.rolled[nodes],
             self.spread,
         )
 
@@ -154,10 +182,14 @@ class Motion:
     """[N], shape (W, n)."""
     load_by_height: Array
     """d load / d ln(h / L) [N], shape (W, n)."""
+    load_by_scale: Array
+    """d load / d scale of the accelerometer [N], shape (W, n)."""
     load_by_offset: Array
     """d load / d offset of the accelerometer [kg], shape (W, 1)."""
     load_by_share: Array
     """d load / d front load share [N], shape (W, 1)."""
+    load_by_roll: Array
+    """d load / d share of the roll moment at the front [N], shape (W, n)."""
     load_by_pitch: Array
     """d load / d (ln w, zeta, d) [N], shape (3, W, n)."""
     force: Array
@@ -190,7 +222,7 @@ def speeds(nodes: Nodes, unknowns: Array, pitch: Array, pitched: float) -> tuple
     return np.maximum(speed, _LEAST_SPEED), gradient
 
 
-def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -> Motion:
+def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried, across: Array | None = None) -> Motion:
     """Return the motion.
 
     Args:
@@ -198,12 +230,17 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
         nodes: measured signals.
         unknowns: shape (SHARED + W,).
         carried: state that older nodes left.
+        across: lateral slips s_y of the tyres [-], shape (W, n); None: the car goes straight.
     """
     p, wheels, n = unknowns, car.wheels, nodes.time.size
     force = -(nodes.acceleration - p[Unknown.ACCELEROMETER_OFFSET]) / (1.0 + p[Unknown.ACCELEROMETER_SCALE])
     pitch = pitch_of_body(force, float(np.median(nodes.interval)), p, carried.pitch or _at_rest(force))
     speed, gradient = speeds(nodes, p, pitch.pitch, carried.pitched)
-    rolling = car.radius * nodes.wheel_speed / speed
+    ground = speed - car.left * car.half_track * nodes.yaw_rate
+    if across is not None:
+        ground += car.front * speed * _steered(car, nodes, speed, across)
+    ground = np.maximum(ground, _LEAST_SPEED)
+    rolling = car.radius * nodes.wheel_speed / ground
     slip = 1.0 - rolling + p[SHARED:, np.newaxis] + car.left * (p[Unknown.CURVE] + p[Unknown.CURVE_RATE] * nodes.time)
 
     interval = np.diff(nodes.time)
@@ -213,7 +250,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     mean_decay = -np.expm1(-x) / x
     before, after = mean_decay - keep, 1.0 - mean_decay
     inputs = np.empty((7 * wheels + 2, n))
-    slip_by_speed = rolling / speed
+    slip_by_speed = rolling / ground
     inputs[:wheels] = slip
     inputs[wheels : 7 * wheels] = (gradient[:, np.newaxis, :] * slip_by_speed).reshape(6 * wheels, n)
     inputs[7 * wheels] = 1.0
@@ -237,7 +274,10 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
     mass = car.mass * exp(float(p[Unknown.LOG_MASS]))
     height = car.transfer * exp(float(p[Unknown.LOG_HEIGHT_RATIO]))
     share = car.share_fixed + car.share_sign * p[Unknown.FRONT_LOAD_SHARE]
-    load_by_height = mass * height * pitch.load
+    rolled = mass * exp(float(p[Unknown.LOG_HEIGHT_RATIO])) * car.roll * nodes.rolled
+    of_axle = np.where(car.front > 0.0, p[Unknown.FRONT_ROLL_SHARE], 1.0 - p[Unknown.FRONT_ROLL_SHARE])
+    pitched = mass * height * pitch.load
+    load_by_height = pitched + of_axle * rolled
     load = np.maximum(mass * GRAVITY * share + load_by_height, 1.0)
     return Motion(
         speed,
@@ -250,13 +290,34 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried) -
         by_length,
         load,
         load_by_height,
+        -pitched / (1.0 + p[Unknown.ACCELEROMETER_SCALE]),
         mass * height / (1.0 + p[Unknown.ACCELEROMETER_SCALE]),
         mass * GRAVITY * car.share_sign,
+        np.where(car.front > 0.0, rolled, -rolled),
         mass * height * pitch.load_gradient[:, np.newaxis, :],
         force,
         pitch,
         immediate,
     )
+
+
+def relaxed_by(moved: Motion, nodes: Nodes, unknowns: Array, slip: Array) -> Array:
+    """Return the slip of a tyre that follows a kinematic one [-], shape (n,), and begins with it."""
+    length = max(float(unknowns[Unknown.RELAXATION_LENGTH]), LEAST_RELAXATION)
+    keep = np.exp(-np.diff(nodes.time) * moved.speed[1:] / length)
+    driving = np.empty((slip.size, 1), order="F")
+    driving[0, 0] = slip[0]
+    driving[1:, 0] = (1.0 - keep) * 0.5 * (slip[1:] + slip[:-1])
+    return recursion(keep, driving)[:, 0]
+
+
+def _steered(car: CarConstants, nodes: Nodes, speed: Array, across: Array) -> Array:
+    """Speed of the front wheels along their planes over that of the car, less 1, shape (n,).
+
+    Their axle moves ahead of the rear one by the path's curvature, and they roll under their slip angle to it.
+    """
+    heading = car.wheelbase * np.abs(nodes.yaw_rate) / speed - across[car.rear_wheel]
+    return np.asarray(0.5 * (heading**2 - across[car.front_wheel] ** 2))
 
 
 def brake_gains(car: CarConstants, nodes: Nodes, unknowns: Array) -> Array:

@@ -1,6 +1,6 @@
 """Samples of a car, and which of them may enter a fit."""
 
-from math import isfinite
+from math import isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +29,10 @@ class CarSample(NamedTuple):
     """Pressures [Pa], shape (W,)."""
     acceleration: float
     """Reading of the accelerometer, forward positive, without any correction [m/s^2]."""
+    leftward: float = nan
+    """Lateral acceleration, to the left [m/s^2]."""
+    yaw_rate: float = nan
+    """Counter-clockwise [rad/s]."""
 
 
 class Checked(NamedTuple):
@@ -43,6 +47,10 @@ class Checked(NamedTuple):
     """NaN where missing."""
     after_gap: bool
     """Whether it is the first, or follows a gap."""
+    leftward: float = nan
+    """NaN where missing, or where the yaw rate is."""
+    yaw_rate: float = nan
+    """NaN where missing, or where the lateral acceleration is."""
 
 
 class CarGate:
@@ -61,6 +69,7 @@ class CarGate:
         """Return the sample as numbers, or why it must not enter."""
         try:
             time, acceleration = float(sample.time), float(sample.acceleration)
+            leftward, yaw_rate = float(sample.leftward), float(sample.yaw_rate)
             speed = np.array(sample.wheel_speed, dtype=np.float64)
             pressure = np.array(sample.brake_pressure, dtype=np.float64)
         except (TypeError, ValueError):
@@ -77,7 +86,10 @@ class CarGate:
             return admission
         missing = ~(np.isfinite(speed) & np.isfinite(pressure))
         speed[missing] = pressure[missing] = np.nan
-        return Checked(time, speed, np.maximum(pressure, 0.0), acceleration, admission is not Admission.NEXT)
+        if not (abs(leftward) <= _HARDEST_SHOCK and isfinite(yaw_rate)):
+            leftward = yaw_rate = nan
+        after_gap = admission is not Admission.NEXT
+        return Checked(time, speed, np.maximum(pressure, 0.0), acceleration, after_gap, leftward, yaw_rate)
 
     def _implausible(self, speed: Array, pressure: Array, acceleration: float) -> Refusal | None:
         for name, radius, omega, each in zip(self._names, self._radii, speed, pressure, strict=True):

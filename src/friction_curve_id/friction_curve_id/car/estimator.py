@@ -7,7 +7,7 @@ window of the newest second stays as a quadratic, which fades.
 """
 
 from dataclasses import replace
-from math import exp, hypot, inf, isfinite, isnan, nan
+from math import exp, hypot, inf, isfinite, isnan, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from friction_curve_id.car.astray import Astray
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_model import CarConstants, Nodes
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
+from friction_curve_id.car.combined_slip import shows_friction
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
 from friction_curve_id.car.evidence import (
     UNRESOLVED_HEIGHT,
@@ -27,16 +28,19 @@ from friction_curve_id.car.evidence import (
 )
 from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
+from friction_curve_id.car.lateral_motion import LateralMotion
 from friction_curve_id.car.new_road import NewRoad, axle_on_new_road, friction_there, silenced, told_of_roads
 from friction_curve_id.car.node_signals import Start, delayed, node_signals, rolling_noise
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.passing import Passing
 from friction_curve_id.car.present_slip import present_slip
-from friction_curve_id.car.prior import car_prior, radius_deviation
-from friction_curve_id.car.tyre_deviations import LAMBDA_MAX, mu_max_deviations
+from friction_curve_id.car.prior import SLIP_OFFSET_STDDEV, car_prior, radius_deviation
+from friction_curve_id.car.tyre_deviations import LAMBDA_MAX, mu_max_deviations, side_deviations
 from friction_curve_id.car.unknowns import Unknown
 from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, Refusal, RestartCause
+from vehicle_models.constants import GRAVITY
+from vehicle_models.lateral_forces import ACROSS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
@@ -79,6 +83,8 @@ _LONGER = 2
 """What a fit that has gone back has to arrive once more, in its steps until then: its formula may be the wrong one."""
 _KNOWN_MU = 0.1
 """Relative deviation of mu_max below which another road is told from the present one."""
+_MOST_UNMEASURED = 0.03
+"""Share of the friction along the wheels that a curve may take where nothing measures the motion across."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -95,6 +101,7 @@ class CarEstimator:
         self._radii = np.array(vehicle.radii)
         self._gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
         self._cause = RestartCause.NONE
+        self._lateral = LateralMotion(vehicle)
         self._begin_again(())
 
     def reset(self) -> None:
@@ -126,6 +133,10 @@ class CarEstimator:
             return (Refusal(Reason.BAD_INPUT, "no wheel has both a speed and a brake pressure"),) * count
         if self._braking and self._with_accelerometer and not isfinite(checked.acceleration):
             return (Refusal(Reason.NO_ACCELERATION, "acceleration is missing: check imu/data"),) * count
+        if self._braking and self._lateral_at is not None and not isfinite(checked.yaw_rate):
+            return (
+                Refusal(Reason.NO_ACCELERATION, "yaw rate or lateral acceleration is missing: check imu/data"),
+            ) * count
         answer = self._take(checked)
         if isinstance(answer, Refusal):
             return (answer,) * count
@@ -150,6 +161,9 @@ class CarEstimator:
         self._gathered_turn = np.zeros(len(index))
         self._gained = 0.0
         self._last: Checked | None = None
+        self._lateral.reset()
+        self._lateral_at: float | None = None
+        """Speed at the begin of the braking [m/s]; None where the motion across the car is not measured."""
         if present:
             self._car = CarConstants(self._vehicle, present)
             self._per_torque = 1.0 / (self._radii[index] * self._car.mass * self._car.carried_share)
@@ -171,6 +185,9 @@ class CarEstimator:
             acceleration = -float(self._per_torque @ (self._car.inertia[:, 0] * growth + mean_torque))
         before = acceleration if last is None or not isfinite(last.acceleration) else last.acceleration
         self._gained += interval * 0.5 * (acceleration + before if self._with_accelerometer else 2.0 * acceleration)
+        turned = bool(self._car.partner) and self._with_accelerometer and isfinite(sample.yaw_rate)
+        if turned:
+            self._gained += interval * sample.yaw_rate * self._lateral.sideways
         self._gathered_time += interval
         self._gathered_turn += interval * speed
         self._last = sample._replace(acceleration=acceleration)
@@ -179,7 +196,10 @@ class CarEstimator:
             mean = speed
             if self._p.wheel_speed_is_interval_mean and self._gathered_time > 0.0:
                 mean = self._gathered_turn / self._gathered_time
+            before_it = float(self._samples.time[-1]) if self._samples.count else sample.time
             self._keep(sample.time, mean, torque, acceleration)
+            if turned:
+                self._turn_with(sample, sample.time - before_it, speed)
             self._gathered_time, self._gained = 0.0, 0.0
             self._gathered_turn = np.zeros(len(index))
         if float((self._radii[index] * speed).max()) < self._p.minimum_speed and not self._braking:
@@ -206,6 +226,15 @@ class CarEstimator:
             while (samples.count > 1 and time - samples.time[1] > _BEFORE) or samples.count == _CAPACITY:
                 samples.drop_oldest(max(int(np.searchsorted(samples.time, time - _BEFORE)) - 1, 1))
         samples.append(time, speed, torque, acceleration, self._gained, self._braking)
+
+    def _turn_with(self, sample: Checked, interval: float, speed: Array) -> None:
+        """Follow the motion across the car, and add it to the newest sample of the window."""
+        car_speed = float((self._radii[self._index] * speed).mean())
+        if self._braking:
+            moved = float(self._samples.speed_change[-1]) - self._start.speed_change
+            car_speed = max(self._start.speed + moved, 1.0)
+        self._lateral.update(interval, car_speed, sample.yaw_rate, sample.leftward, self._braking)
+        self._samples.turn(sample.yaw_rate, sample.leftward, self._lateral.turned, self._lateral.rolled)
 
     def _watch_brakes(self, time: float, braking_by: float, speed: Array) -> None:
         """Begin and end brakings."""
@@ -241,13 +270,29 @@ class CarEstimator:
             free[:] = True
         rolling = float((self._car.radius[free, 0] * samples.wheel_speed[free, :few].mean(axis=1)).mean())
         at_rest = float(samples.acceleration[: max(samples.count // 4, 1)].mean())
-        self._start = Start(float(samples.time[0]), rolling, at_rest, float(samples.speed_change[0]))
+        self._start = Start(
+            float(samples.time[0]), rolling, at_rest, float(samples.speed_change[0]), float(samples.sideways[0])
+        )
         self._rolling_noise = rolling_noise(samples.wheel_speed, 0.01)
+        self._lateral_at = None
+        if self._car.partner and self._with_accelerometer and self._last and isfinite(self._last.yaw_rate):
+            self._lateral_at = rolling
+        self._lateral.begin_braking()
+        if self._lateral_at is None:
+            samples.straighten()
         balanced = self._with_accelerometer and len(self._present) == len(self._vehicle.wheels)
         self._fits = [
             CurveFit(
                 self._car,
-                car_prior(self._vehicle, self._present, shape, p.slope_stddev, self._with_accelerometer),
+                car_prior(
+                    self._vehicle,
+                    self._present,
+                    shape,
+                    p.slope_stddev,
+                    self._with_accelerometer,
+                    self._lateral_at,
+                    self._lateral.sideways - self._lateral.turned + float(samples.sideways[0]),
+                ),
                 family,
                 p.torque_stddev,
                 balanced,
@@ -325,7 +370,7 @@ class CarEstimator:
             if not self._passing.in_window:
                 self._peak = mixture(*found, evidence, self._mu_floor, False, [each.unsettled for each in fits])
             elif len(fits) > 1:  # what is between the samples is known where the formula is
-                self._unresolved = unresolved(fit.moved.relaxed, exp(self._peak.log_lambda_max))
+                self._unresolved = unresolved(fit.tyres.size, exp(self._peak.log_lambda_max))
             if self._passing.seen:
                 self._watch_road(fit, nodes.subset(slice(0, keep)), self._astray.calm(time))
         newest = keep - 1
@@ -344,9 +389,11 @@ class CarEstimator:
         delay = float(fit.unknowns[Unknown.PRESSURE_DELAY])
         torque, rate = delayed(self._samples, nodes, self._start, delay)
         mu_max = exp(float(fit.unknowns[Unknown.LOG_MU_MAX]))
-        used, fitted, comparable = used_and_fitted(self._car, nodes, fit.moved, torque, fit.family, fit.unknowns)
+        shown = shows_friction(fit.tyres, mu_max)
+        used, fitted, comparable = used_and_fitted(self._car, nodes, fit.moved, fit.tyres, torque, fit.unknowns)
         if self._peak is not None and self._peak.log_mu_stddev < _KNOWN_MU:
             told = told_of_roads(self._car, fit.moved, fitted, mu_max, rate) & (nodes.time >= self._silent_until)
+            told &= shown
             new_road = axle_on_new_road(self._car, nodes.time, used, fitted, told)
             if new_road is not None:
                 self._begin_anew(nodes, new_road, used * told, fit)
@@ -355,9 +402,11 @@ class CarEstimator:
                 return
         if not calm:
             return
+        comparable &= shown
         used, fitted = used * comparable, fitted * comparable
         misfit = misfit_at_peak(used, fitted, mu_max, nodes.time)
-        self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit)
+        sides = side_deviations(fit.moved)
+        self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit, sides)
         if not isnan(misfit):
             self._misfit = misfit
 
@@ -402,7 +451,7 @@ class CarEstimator:
         mu, slope = mu_max * curve.value, mu_max / lambda_max * curve.slope
         of_lambda, of_mu = 0.0, np.zeros(len(self._index))
         if len(self._fits) > 1:  # with one formula given, the tyres are given to be of it
-            of_lambda, of_mu = LAMBDA_MAX, mu_max_deviations(self._fits[best].moved)
+            of_lambda, of_mu = LAMBDA_MAX, mu_max_deviations(self._fits[best].moved, self._fits[best].tyres)
         log_mu_stddev = hypot(peak.log_mu_stddev, self._misfit, UNRESOLVED_HEIGHT * self._unresolved)
         mu_stddevs = [reaching_up(hypot(log_mu_stddev, float(each))) for each in of_mu]
         theta = UNKNOWN_THETA
@@ -439,8 +488,11 @@ class CarEstimator:
             log_peaks = [float(fit.unknowns[Unknown.LOG_LAMBDA_MAX]) for fit in self._fits]
             floor = hypot(floor, max(log_peaks) - min(log_peaks))
         changed = float(self._samples.speed_change[-1]) + self._gained
+        yaw_rate = float(self._samples.yaw_rate[-1])
         for weight, fit, (since, changed_then) in zip(peak.weights, self._fits, self._newest, strict=True):
-            slip, probability = present_slip(self._car, fit, time - since, changed - changed_then, speed, factor, floor)
+            slip, probability = present_slip(
+                self._car, fit, time - since, changed - changed_then, speed, yaw_rate, factor, floor
+            )
             mean += weight * slip
             for each in range(wheels):
                 beyond[each] += weight * probability[each]
@@ -451,6 +503,11 @@ class CarEstimator:
         since = time - self._began_at
         if since < _EARLIEST_VALID and self._earliest_valid == _EARLIEST_VALID:
             return Reason.NOT_READY, f"waiting for {_EARLIEST_VALID} s of braking"
+        if self._in_unmeasured_curve(peak):
+            return (
+                Reason.UNCERTAIN,
+                "in a curve: yaw rate or lateral acceleration is missing, check imu/data",
+            )
         if not self._passing.begun:
             return Reason.PEAK_NOT_PASSED, "waiting for a wheel to pass the peak"
         if not (self._passing.seen and self._passing.long_ago(time - self._start.time)):
@@ -460,6 +517,8 @@ class CarEstimator:
             return Reason.UNCERTAIN, f"waiting for {self._earliest_valid} s on the new road"
         if self._astray.unexplained or not self._astray.calm(time):
             return Reason.UNCERTAIN, "the car does not move as its vehicle file says: run vehicle_doctor"
+        if self._lateral_at is not None and self._lateral.slides:
+            return Reason.UNCERTAIN, "the car slides sideways"
         if self._two_roads:
             return Reason.UNCERTAIN, self._two_roads
         if self._move[best] > _SETTLED:
@@ -470,6 +529,18 @@ class CarEstimator:
                 "the wheels follow no common curve: run vehicle_doctor",
             )
         return Reason.OK, ""
+
+    def _in_unmeasured_curve(self, peak: Peak) -> bool:
+        """Whether the wheels show a curve that takes much of the friction, and nothing measures it."""
+        fit = self._fits[int(np.argmax(peak.weights))]
+        if self._lateral_at is not None or fit.steps == 0:
+            return False
+        turned = float(fit.unknowns[Unknown.CURVE] + fit.unknowns[Unknown.CURVE_RATE] * fit.newest)
+        stddev = hypot(sqrt(fit.covariance[Unknown.CURVE, Unknown.CURVE]), SLIP_OFFSET_STDDEV)
+        speed = float(fit.moved.speed[-1])
+        leftward = turned * speed**2 / self._car.half_track
+        across = leftward / (ACROSS * GRAVITY * exp(peak.log_mu_max))
+        return abs(turned) > 2.0 * stddev and 0.5 * across**2 > _MOST_UNMEASURED
 
     def _reason_of_lambda_max(self, peak: Peak) -> tuple[Reason, str]:
         stddev = hypot(peak.log_lambda_stddev, self._unresolved)

@@ -14,10 +14,12 @@ from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dpttrf, dpttrs
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
 from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion, recursion
+from friction_curve_id.car.combined_slip import TyreSlips, tyre_slips
 from friction_curve_id.car.curve_family import Family
 from friction_curve_id.car.node_signals import Start, delayed
 from friction_curve_id.car.prior import Prior
-from friction_curve_id.car.unknowns import Unknown
+from friction_curve_id.car.rear_slip import rear_slip
+from friction_curve_id.car.unknowns import OF_CURVE, OF_CURVES, Unknown
 from friction_curve_id.car.wheel_equation import WheelEquation, wheel_equation
 
 Array = NDArray[np.float64]
@@ -30,8 +32,6 @@ _DRIFTS = {Unknown.SLOPE: 0.1, Unknown.START_SPEED: 0.05, Unknown.CURVE_RATE: 0.
 
 _LONGEST_OF_CURVE, _LONGEST = 0.4, 1.0
 """Longest step in ln mu_max and ln lambda_max, and of any other unknown, in deviations of its prior."""
-_OF_CURVE = (Unknown.LOG_MU_MAX, Unknown.LOG_LAMBDA_MAX, Unknown.SHAPE_1, Unknown.SHAPE_2)
-"""What belongs to the road; all else is the car's."""
 _KEPT_OF_CAR = 0.25
 """Share of what is known of the car that is kept on another road: what the formula of the first left out is in it."""
 
@@ -61,9 +61,12 @@ class Linearised:
     cost: float
     """- ln likelihood, without constants."""
     moved: Motion
+    tyres: TyreSlips
     noise: "WheelSpeedNoise"
     white: Array
-    """C^-1 of the Jacobian in z and, last, of the error, shape (W n, P + 1)."""
+    """C^-1 of the Jacobian in z by the unknowns that act and, last, of the error, shape (W n, A + 1)."""
+    acting: NDArray[np.int64]
+    """Unknowns that move the wheel equations, shape (A,)."""
     of_node: Array
     """What each node adds to the cost of those before it, of all wheels, shape (n,)."""
 
@@ -80,6 +83,8 @@ class CurveFit:
         self.family = family
         self._car, self._prior = car, prior
         self._torque_stddev, self._balanced = torque_stddev, balanced
+        self._curving = np.flatnonzero(prior.stddev > 0.0)
+        self._acting = self._curving[~np.isin(self._curving, OF_CURVES)]
         self.reset()
 
     def reset(self) -> None:
@@ -94,6 +99,7 @@ class CurveFit:
         self.steps = 0
         self.carried = Carried()
         self._correction = np.zeros((self._car.wheels, 0))
+        self._across: Array | None = None
         self._damping = 0.0
         self._last_move = np.zeros(n)
         self._expected, self._scatter = 0.0, inf
@@ -130,36 +136,45 @@ class CurveFit:
         # Slips are taken at the wheel speeds that the last step found, not at the measured ones: the curve bends, and
         # their noise would be in the residual and in its derivatives alike.
         correction = self._at_nodes(nodes)
-        moved = motion(self._car, replace(nodes, wheel_speed=nodes.wheel_speed + correction), p, self.carried)
+        across = self._across_at(nodes.time.size)
+        moved = motion(self._car, replace(nodes, wheel_speed=nodes.wheel_speed + correction), p, self.carried, across)
         torque, rate = delayed(samples, nodes, start, float(p[Unknown.PRESSURE_DELAY]))
-        equation = wheel_equation(self._car, nodes, moved, torque, rate, self.family, p, self._torque_stddev)
+        tyres = tyre_slips(self._car, nodes, moved, torque, self.family, p, across)
+        equation = wheel_equation(self._car, nodes, moved, torque, rate, tyres, p, self._torque_stddev)
         noise = WheelSpeedNoise(nodes, equation.by_wheel_speed)
         error = equation.error - equation.by_wheel_speed * correction
         if adapt:
             self._adapt(equation, error, noise)
         pivots, factors, log_determinant = noise.factorised(equation, LOAD_VARIATIONS[self.load_variation])
-        size = p.size
-        columns = np.empty((equation.error.size, size + 1), order="F")
-        columns[:, :size] = equation.jacobian.reshape(-1, size)
-        columns[:, :size] *= sd
-        columns[:, size] = error.ravel()
+        size, acting = p.size, self._curving if tyres.across is not None else self._acting
+        columns = np.empty((equation.error.size, acting.size + 1), order="F")
+        jacobian = equation.jacobian.reshape(-1, size)
+        for column, unknown in enumerate(acting):
+            np.multiply(jacobian[:, unknown], sd[unknown], out=columns[:, column])
+        columns[:, -1] = error.ravel()
         white, _ = dpttrs(pivots, factors, columns)
-        full = columns.T @ white
-        cost = 0.5 * float(full[size, size]) + 0.5 * log_determinant
-        onward = white[:, size].copy()
-        onward[:-1] += factors * white[1:, size]
+        products = columns.T @ white
+        full, spread = np.zeros((size, size + 1)), np.zeros((size, size))
+        among = np.ix_(acting, acting)
+        full[among], full[acting, size] = products[:-1, :-1], products[:-1, -1]
+        cost = 0.5 * float(products[-1, -1]) + 0.5 * log_determinant
+        onward = white[:, -1].copy()
+        onward[:-1] += factors * white[1:, -1]
         of_node = 0.5 * (pivots * onward**2 + np.log(pivots)).reshape(error.shape).sum(axis=0)
         variation = LOAD_VARIATIONS[self.load_variation]
-        spread = _spread(white[:, :size], variation * np.sqrt(equation.load_variance), nodes.interval)
+        spread[among] = _spread(white[:, :-1], variation * np.sqrt(equation.load_variance), nodes.interval)
         if self._balanced:
             inertia = self._car.inertia * np.exp(p[Unknown.LOG_INERTIA])
             of_torque = equation.jacobian[:, :, OF_TORQUE] * inertia[:, :, np.newaxis]
-            errors, rows = car_balance(self._car, nodes, moved, equation.torque, of_torque, p)
+            errors, rows = car_balance(self._car, nodes, moved, tyres, equation.torque, of_torque, p)
+            if equation.across_gradient is not None:
+                found = rear_slip(self._car, nodes, moved, tyres, equation.across_gradient, p)
+                errors, rows = np.concatenate([errors, found[0]]), np.concatenate([rows, found[1]])
             rows = rows * sd
-            full[:size, :size] += rows.T @ rows
-            full[:size, size] += rows.T @ errors
+            full[:, :size] += rows.T @ rows
+            full[:, size] += rows.T @ errors
             cost += 0.5 * float(errors @ errors)
-        return Linearised(full[:size, :size], full[:size, size], spread, cost, moved, noise, white, of_node)
+        return Linearised(full[:, :size], full[:, size], spread, cost, moved, tyres, noise, white, acting, of_node)
 
     def step(self, samples: BrakingSamples, nodes: Nodes, start: Start) -> float:
         """Make a Gauss-Newton step; return its length in ln lambda_max and ln mu_max."""
@@ -207,9 +222,10 @@ class CurveFit:
             self._damping = 0.0
         self._last_move = move
         self.z = self.z + move
-        self._correction = at.noise.correction(at.white[:, size] + at.white[:, :size] @ move)
+        self._correction = at.noise.correction(at.white[:, -1] + at.white[:, :-1] @ move[at.acting])
         self.steps += 1
-        self.moved = at.moved
+        self.moved, self.tyres = at.moved, at.tyres
+        self._across = at.tyres.across
         return curve
 
     def begin_at(self, other: "CurveFit") -> None:
@@ -217,7 +233,7 @@ class CurveFit:
         self.z = other.z.copy()
         self.z[[Unknown.SHAPE_1, Unknown.SHAPE_2]] = 0.0
         self.load_variation = other.load_variation
-        self._correction = other._correction.copy()
+        self._correction, self._across = other._correction.copy(), other._across
         self._damping = 0.0
         self._last_move = np.zeros_like(self.z)
 
@@ -232,7 +248,7 @@ class CurveFit:
         information, spread = kept * past.information, kept * past.spread
         reference = self.z
         self.z = self.z.copy()
-        for unknown in _OF_CURVE:
+        for unknown in range(OF_CURVE.stop):
             information, gradient, spread = forgotten(information, gradient, spread, unknown)
             self.z[unknown] = 0.0
         # What the forgotten said of the families' odds was said of another road.
@@ -278,9 +294,12 @@ class CurveFit:
         """Keep the state of the motion that the oldest `number` nodes leave."""
         leaving = nodes.subset(slice(0, number + 1))
         leaving = replace(leaving, wheel_speed=leaving.wheel_speed + self._at_nodes(leaving))
-        moved = motion(self._car, leaving, self.unknowns, self.carried)
+        across = self._across_at(number + 1)
+        moved = motion(self._car, leaving, self.unknowns, self.carried, across)
         self.carried = carried_over(nodes, moved, self.carried, number)
         self._correction = self._correction[:, number:]
+        if self._across is not None:
+            self._across = self._across[:, number:]
 
     def _at_nodes(self, nodes: Nodes) -> Array:
         """Corrections of the wheel speeds at the nodes [rad/s], shape (W, n); zero at those that are new."""
@@ -289,6 +308,13 @@ class CurveFit:
         if count > 0:
             found[:, :count] = 0.5 * (self._correction[:, :count] + self._correction[:, 1 : count + 1])
         return found
+
+    def _across_at(self, count: int) -> Array | None:
+        """Lateral slips of the last step at the first `count` nodes, (W, count); the last one holds at new nodes."""
+        known = self._across
+        if known is None or known.shape[1] == 0:
+            return None
+        return np.asarray(known[:, np.minimum(np.arange(count), known.shape[1] - 1)])
 
     def _adapt(self, equation: WheelEquation, error: Array, noise: "WheelSpeedNoise") -> None:
         """Move the load variation towards the maximum of its likelihood: up by at most a step, down all the way.

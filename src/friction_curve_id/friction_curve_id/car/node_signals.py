@@ -33,6 +33,10 @@ In ordinary driving one of the two is below 0.7 of its limit; a wheel that comes
 """
 
 
+_EITHER_SIDE = 0.025
+"""Time before and after a node over which the yaw acceleration is taken [s]."""
+
+
 @dataclass(frozen=True)
 class Start:
     """State of the car at the first sample of the window."""
@@ -45,6 +49,8 @@ class Start:
     """[m/s^2]"""
     speed_change: float
     """Integral of the acceleration at `time` [m/s]."""
+    sideways: float = 0.0
+    """Integral of lateral acceleration less centripetal one at `time` [m/s]."""
 
 
 def node_signals(
@@ -67,6 +73,8 @@ def node_signals(
         interval[1:] = 0.5 * (step[1:] + step[:-1])
         acceleration, change, closed = samples.acceleration[:-1], samples.speed_change[:-1], samples.closed[:-1]
         work = samples.work[:, :-1]
+        yaw_rate, leftward, rolled = samples.yaw_rate[:-1], samples.leftward[:-1], samples.rolled[:-1]
+        sideways = samples.sideways[:-1]
         near, far = 7.0 / 12.0, -1.0 / 12.0
     else:
         time, interval = 0.5 * (t[1:] + t[:-1]), step
@@ -74,6 +82,10 @@ def node_signals(
         change = 0.5 * (samples.speed_change[1:] + samples.speed_change[:-1])
         closed = samples.closed[:-1]
         work = 0.5 * (samples.work[:, 1:] + samples.work[:, :-1])
+        yaw_rate = 0.5 * (samples.yaw_rate[1:] + samples.yaw_rate[:-1])
+        leftward = 0.5 * (samples.leftward[1:] + samples.leftward[:-1])
+        sideways = 0.5 * (samples.sideways[1:] + samples.sideways[:-1])
+        rolled = 0.5 * (samples.rolled[1:] + samples.rolled[:-1])
         near, far = 0.5, 0.0
     speed = 0.5 * (w[:, 1:] + w[:, :-1])
     speed[:, 1:-1] = near * (w[:, 1:-2] + w[:, 2:-1]) + far * (w[:, :-3] + w[:, 3:])
@@ -109,6 +121,11 @@ def node_signals(
         closed,
         ~_near(standing),
         work,
+        yaw_rate,
+        _rate(yaw_rate, time),
+        leftward,
+        sideways - start.sideways,
+        rolled,
         1.0 / 6.0 if counted else 1.0 / 24.0,
     )
 
@@ -156,6 +173,14 @@ def rolling_noise(wheel_speed: Array, least: float) -> Array:
     """
     bend = np.abs(wheel_speed[:, 2:] - 2.0 * wheel_speed[:, 1:-1] + wheel_speed[:, :-2])
     return np.maximum(np.median(bend, axis=1) / (0.6745 * sqrt(6.0)), least)
+
+
+def _rate(values: Array, time: Array) -> Array:
+    """Return the derivative by differences over twice _EITHER_SIDE, less at the ends; shapes (n,)."""
+    n = time.size
+    size = max(round(_EITHER_SIDE / max(float(np.median(np.diff(time))), 1e-4)), 1)
+    before, after = np.maximum(np.arange(n) - size, 0), np.minimum(np.arange(n) + size, n - 1)
+    return np.asarray((values[after] - values[before]) / (time[after] - time[before]))
 
 
 def _near(standing: NDArray[np.bool_]) -> NDArray[np.bool_]:

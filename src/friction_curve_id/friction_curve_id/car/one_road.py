@@ -8,13 +8,13 @@ curve says and the other less. Both are ratios of means over time, in which the 
 averages out.
 """
 
-from math import exp, inf, isnan, log, nan
+from math import exp, hypot, inf, isnan, log, nan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.car_model import CarConstants, Motion, Nodes, brake_gains
-from friction_curve_id.car.curve_family import Family, curve_values
+from friction_curve_id.car.combined_slip import TyreSlips
 from friction_curve_id.car.unknowns import Unknown
 
 Array = NDArray[np.float64]
@@ -25,16 +25,16 @@ MOST_CHANGE = 0.07
 """Change of ln of used over fitted friction on one road: random cars of another plant stay below 0.1, mostly 0.06."""
 STILL_CHANGED = 0.04
 """The same once it has been more: the curve itself goes over to the new road, which makes the change look smaller."""
-MOST_DIFFERENCE = 0.035
-"""The same between the sides of the car, over the whole window: there up to 0.025."""
-STILL_DIFFERENT = 0.02
-"""The same once it has been more."""
+MOST_DIFFERENT, STILL_DIFFERENT = 9.0, 4.0
+"""chi^2 of one degree of freedom that the sides of the car are not on one road, and once it has been more."""
 _LASTING, _STEP = 0.07, 0.02
 """Time with more than that after which it is no bump, and the longest of it that a step of the fits stands for [s]."""
 _LEAST_TIME = 0.1
 """Least time of what it is compared with [s], of all wheels together."""
 _LEAST_AT_PEAK = 0.04
 """The same near the peak."""
+_LEAST_ALONG = 0.1
+"""Least share of a force along its wheel by which it is found from that [-]."""
 _LEAST_SHARE = 0.4
 """Least share of mu_max at which friction is compared: below, the slope of the curve and the speed decide."""
 _AT_PEAK = 0.9
@@ -50,29 +50,29 @@ _MOST_SPIN = 0.5
 
 
 def used_and_fitted(
-    car: CarConstants, nodes: Nodes, moved: Motion, torque: Array, family: Family, unknowns: Array
+    car: CarConstants, nodes: Nodes, moved: Motion, tyres: TyreSlips, torque: Array, unknowns: Array
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Return friction used, that of the curve at the slips, and where they can be compared; shape (W, n) each.
+
+    In a curve both are those of the whole force, of which the brake shows the part along the wheel.
 
     Args:
         car: nominal values.
         nodes: measured signals.
         moved: their motion.
+        tyres: their slips and frictions.
         torque: brake torque at nominal gain [N m], shape (W, n).
-        family: formula of the curve.
         unknowns: shape (SHARED + W,).
     """
     p = unknowns
-    log_peak = float(p[Unknown.LOG_LAMBDA_MAX])
-    shape = (float(p[Unknown.SHAPE_1]), float(p[Unknown.SHAPE_2]))
-    share = curve_values(family, log_peak, shape, moved.relaxed / exp(log_peak)).value
+    share, along = tyres.curve.value, np.maximum(tyres.along, _LEAST_ALONG)
     inertia = car.inertia * exp(float(p[Unknown.LOG_INERTIA]))
     spinning = inertia * nodes.wheel_acceleration
     acting = brake_gains(car, nodes, p) * torque + p[Unknown.ENGINE_DRAG] * car.driven + spinning
-    used = acting / (car.radius * np.maximum(moved.load, 1.0))
+    used = acting / (car.radius * np.maximum(moved.load, 1.0) * along)
     fitted = exp(float(p[Unknown.LOG_MU_MAX])) * share
-    steady = np.abs(spinning) < _MOST_SPIN * fitted * car.radius * moved.load
-    told = nodes.turning & steady & (share > _LEAST_SHARE)
+    steady = np.abs(spinning) < _MOST_SPIN * fitted * along * car.radius * moved.load
+    told = nodes.turning & steady & (share * along > _LEAST_SHARE)
     return used, fitted, np.asarray(told)
 
 
@@ -107,6 +107,22 @@ def difference_of_sides(used: Array, fitted: Array, left: Array, time: Array) ->
     return ratios[0] - ratios[1]
 
 
+def difference_by_tyres(fitted: Array, left: Array, deviations: Array) -> float:
+    """Return the standard deviation of difference_of_sides on one road.
+
+    Args:
+        fitted: friction of the curve, zero where it is not compared, shape (W, n).
+        left: +1 for a wheel on the left, -1 on the right, shape (W, 1).
+        deviations: relative ones of the friction of each wheel, by its tyre alone, and by its load, which is that of
+            both wheels of a side; the signs of these are those of the loads, shape (2, W).
+    """
+    of_wheel = fitted.sum(axis=1)
+    of_side = np.where(left[:, 0] > 0.0, of_wheel[left[:, 0] > 0.0].sum(), of_wheel[left[:, 0] < 0.0].sum())
+    share = of_wheel / np.maximum(of_side, 1e-9)
+    own, by_load = deviations
+    return max(hypot(float(np.sqrt(((share * own) ** 2).sum())), float((left[:, 0] * share) @ by_load)), 1e-6)
+
+
 def _log_ratio(used: Array, fitted: Array, time: Array, least_time: float = _LEAST_TIME) -> float:
     interval = float(time[-1] - time[0]) / max(time.size - 1, 1)
     if np.count_nonzero(fitted) * interval < least_time:
@@ -126,17 +142,18 @@ class RoadWatch:
         self._changed = self._different = self._misfits = False
         self._lasting = ""
 
-    def update(self, used: Array, fitted: Array, left: Array, time: Array, misfit: float) -> str:
+    def update(self, used: Array, fitted: Array, left: Array, time: Array, misfit: float, deviations: Array) -> str:
         """Return what speaks against one road, empty where nothing does. Arguments as above, after a step of a fit.
 
-        `misfit`: see misfit_at_peak, NaN where there is too little.
+        `misfit`: see misfit_at_peak, NaN where there is too little; `deviations`: see difference_by_tyres.
         """
         change, difference = change_of_friction(used, fitted, time), difference_of_sides(used, fitted, left, time)
-        change_shows, difference_shows = abs(change) > MOST_CHANGE, abs(difference) > MOST_DIFFERENCE
+        difference = (difference / difference_by_tyres(fitted, left, deviations)) ** 2
+        change_shows, difference_shows = abs(change) > MOST_CHANGE, difference > MOST_DIFFERENT
         if not isnan(change):
             self._changed = change_shows or (self._changed and abs(change) > STILL_CHANGED)
         if not isnan(difference):
-            self._different = difference_shows or (self._different and abs(difference) > STILL_DIFFERENT)
+            self._different = difference_shows or (self._different and difference > STILL_DIFFERENT)
         if not isnan(misfit):
             self._misfits = abs(misfit) > (STILL_MISFIT if self._misfits else MOST_MISFIT)
         found = ""

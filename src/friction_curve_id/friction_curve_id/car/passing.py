@@ -43,7 +43,8 @@ class Passing:
         moved = fit.moved
         speed_variance = fit.covariance[Unknown.START_SPEED, Unknown.START_SPEED]
         turning = nodes.turning | (moved.slip < 1.0 - TURNING)
-        reached = np.where(turning, moved.relaxed - _SURE * sqrt(speed_variance) / moved.speed, 0.0)
+        error = np.hypot(sqrt(speed_variance) / moved.speed, fit.tyres.across_stddev)
+        reached = np.where(turning, fit.tyres.size - _SURE * error, 0.0)
         order = np.argsort(reached, axis=None)[::-1]
         slips, times = reached.ravel()[order], np.broadcast_to(nodes.interval, reached.shape).ravel()[order]
         lasting = int(np.searchsorted(times.cumsum(), _TIME))

@@ -14,9 +14,18 @@ Array = NDArray[np.float64]
 
 
 def present_slip(
-    car: CarConstants, fit: CurveFit, ahead: float, changed: float, speed: Array, factor: float, floor: float
+    car: CarConstants,
+    fit: CurveFit,
+    ahead: float,
+    changed: float,
+    speed: Array,
+    yaw_rate: float,
+    factor: float,
+    floor: float,
 ) -> tuple[Array, list[float]]:
     """Return the slip of each wheel [-], shape (W,), and the probability that it is beyond the peak.
+
+    Lateral slips are those of the last node.
 
     Args:
         car: nominal values.
@@ -24,6 +33,7 @@ def present_slip(
         ahead: time since its last node [s].
         changed: integral of the measured acceleration since then [m/s].
         speed: present wheel speeds [rad/s], shape (W,).
+        yaw_rate: [rad/s].
         factor: by which the deviation of lambda_max counts more than the fit says.
         floor: least relative deviation of lambda_max.
     """
@@ -31,7 +41,8 @@ def present_slip(
     wheels = speed.size
     own = (changed - p[Unknown.ACCELEROMETER_OFFSET] * ahead) / (1.0 + p[Unknown.ACCELEROMETER_SCALE])
     velocity = max(float(moved.speed[-1]) + own - p[Unknown.SLOPE] * ahead, 0.5)
-    rolling = car.radius[:, 0] * speed / velocity
+    ground = np.maximum(velocity - yaw_rate * car.half_track * car.left[:, 0], 0.5)
+    rolling = car.radius[:, 0] * speed / ground
     time = fit.newest + ahead
     slip = 1.0 - rolling + p[SHARED:] + car.left[:, 0] * (p[Unknown.CURVE] + p[Unknown.CURVE_RATE] * time)
     # The force of a tyre follows its relaxed slip, from that of the last node on.
@@ -40,10 +51,15 @@ def present_slip(
     relaxed = keep * moved.relaxed[:, -1] + (decay - keep) * moved.slip[:, -1] + (1.0 - decay) * slip
     limit = exp(p[Unknown.LOG_LAMBDA_MAX])
     rows = np.zeros((wheels, p.size))
-    rows[:, SPEED_UNKNOWNS] = np.outer(rolling / velocity, moved.speed_gradient[:, -1])
+    rows[:, SPEED_UNKNOWNS] = np.outer(rolling / ground, moved.speed_gradient[:, -1])
     rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
     rows[:, Unknown.CURVE] = car.left[:, 0]
     rows[:, Unknown.CURVE_RATE] = car.left[:, 0] * time
     rows[range(wheels), SHARED + np.arange(wheels)] = 1.0
-    variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2
+    across_variance: Array | float = 0.0
+    if fit.tyres.across is not None:
+        across, stddev = fit.tyres.across[:, -1], np.broadcast_to(fit.tyres.across_stddev, moved.slip.shape)[:, -1]
+        slip, relaxed = np.hypot(slip, across), np.hypot(relaxed, across)
+        across_variance = (stddev * across / np.maximum(relaxed, 1e-6)) ** 2
+    variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2 + across_variance
     return slip, [normal_probability(float((relaxed[each] - limit) / sqrt(variance[each]))) for each in range(wheels)]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from friction_curve_id.car.curve_family import ShapePrior
 from friction_curve_id.car.unknowns import SHARED, Unknown
 from vehicle_models.constants import GRAVITY
+from vehicle_models.lateral_forces import ACROSS
 from vehicle_models.vehicle import (
     FRONT,
     STATED,
@@ -37,10 +38,16 @@ _CURVE_STDDEV = 0.006
 """Half the track over the radius of the curve: 125 m."""
 _CURVE_RATE_STDDEV = 0.006
 """Of its growth [1/s]: a driver who begins to turn while he brakes."""
+_YAW_RATE_STDDEV = 0.02
+"""Of the bias of a measured yaw rate [rad/s]."""
+_ACROSS_STDDEV = 0.06
+"""Of ln of the friction of a tyre across over that along."""
+_SIDEWAYS_STDDEV = 0.4
+"""Of the sideways speed of a car that corners steadily [m/s]."""
 _FADING_STDDEV = 0.08
 _OTHER_WHEELS = 0.15
 """Relative deviation of the deceleration of the car from that of the wheels that are measured."""
-_SLIP_OFFSET_STDDEV = 5e-4
+SLIP_OFFSET_STDDEV = 5e-4
 """Of the slip of a rolling wheel, where its radius is not known exactly."""
 
 
@@ -54,7 +61,13 @@ class Prior:
 
 
 def car_prior(
-    vehicle: Vehicle, present: tuple[int, ...], shape: ShapePrior, slope_stddev: float, with_accelerometer: bool
+    vehicle: Vehicle,
+    present: tuple[int, ...],
+    shape: ShapePrior,
+    slope_stddev: float,
+    with_accelerometer: bool,
+    lateral_at: float | None = None,
+    sideways: float = 0.0,
 ) -> Prior:
     """Return the prior of a car.
 
@@ -64,6 +77,8 @@ def car_prior(
         shape: prior of the shape of the curve.
         slope_stddev: standard deviation of the slope of the road [-], >= 0.
         with_accelerometer: whether the speed comes from an accelerometer, or from the wheels at nominal values.
+        lateral_at: speed at the begin [m/s], where yaw rate and lateral acceleration are measured, else None.
+        sideways: speed to the left at the start of the window, about [m/s].
     """
     wheels, mounting = [vehicle.wheels[each] for each in present], vehicle.accelerometer
     mean, stddev = np.zeros(SHARED + len(wheels)), np.zeros(SHARED + len(wheels))
@@ -99,9 +114,19 @@ def car_prior(
         max(relative_deviation(wheel, "relaxation_length") for wheel in wheels) * relaxation,
     )
     put(Unknown.START_SPEED, 0.0, _START_SPEED_STDDEV)
-    sides = {wheel.side for wheel in wheels}
-    put(Unknown.CURVE, 0.0, _CURVE_STDDEV if len(sides) > 1 else 0.0)
-    put(Unknown.CURVE_RATE, 0.0, _CURVE_RATE_STDDEV if len(sides) > 1 else 0.0)
+    two_sides = len({wheel.side for wheel in wheels}) > 1
+    if lateral_at is not None:
+        bias = _YAW_RATE_STDDEV * 0.5 * vehicle.track / lateral_at
+        put(Unknown.CURVE, 0.0, bias)
+        put(Unknown.CURVE_RATE, 0.0, bias)
+        put(Unknown.LOG_ACROSS, log(ACROSS), _ACROSS_STDDEV)
+        roll = absolute_deviation(vehicle.deviations, "front_roll_share")
+        put(Unknown.FRONT_ROLL_SHARE, vehicle.front_roll_share, roll)
+        put(Unknown.SIDEWAYS, sideways, _SIDEWAYS_STDDEV)
+        put(Unknown.LATERAL_OFFSET, 0.0, absolute_deviation(mounting.deviations, "bias"))
+    elif two_sides:
+        put(Unknown.CURVE, 0.0, _CURVE_STDDEV)
+        put(Unknown.CURVE_RATE, 0.0, _CURVE_RATE_STDDEV)
     put(Unknown.SLOPE, 0.0, slope_stddev * GRAVITY)
     if with_accelerometer:
         put(Unknown.ACCELEROMETER_DELAY, mounting.delay, absolute_deviation(mounting.deviations, "delay"))
@@ -130,7 +155,7 @@ def car_prior(
         )
     share_stddev = 0.0 if _one_axle(vehicle) else absolute_deviation(vehicle.deviations, "front_load_share")
     put(Unknown.FRONT_LOAD_SHARE, vehicle.front_load_share, share_stddev)
-    stddev[SHARED:] = _SLIP_OFFSET_STDDEV if radius > 0.0 else 0.0
+    stddev[SHARED:] = SLIP_OFFSET_STDDEV if radius > 0.0 else 0.0
     return Prior(mean, stddev)
 
 

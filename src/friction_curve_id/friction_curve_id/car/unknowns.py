@@ -54,8 +54,20 @@ class Unknown(IntEnum):
     """Share of its gain that a brake loses with the work of FADING_WORK [-]."""
     CURVE_RATE = 24
     """Growth of CURVE, which is that at the start of the window of the braking [1/s]."""
+    LOG_ACROSS = 25
+    """ln of the friction of a tyre across over that along."""
+    FRONT_ROLL_SHARE = 26
+    """Share of the roll moment that the front axle takes."""
+    LATERAL_OFFSET = 27
+    """Of the accelerometer across the car, to the left [m/s^2]."""
+    SIDEWAYS = 28
+    """Sideways speed at the start, to the left [m/s]."""
 
 
+OF_CURVE = slice(Unknown.LOG_MU_MAX, Unknown.SHAPE_2 + 1)
+"""What belongs to the road; all else is the car's."""
+OF_CURVES = (Unknown.LOG_ACROSS, Unknown.LATERAL_OFFSET, Unknown.SIDEWAYS)
+"""What moves no wheel on a straight road."""
 FADING_WORK = 1e5
 """[J]"""
 

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes, brake_gains, gains_by_fading
-from friction_curve_id.car.curve_family import Family, curve_values
+from friction_curve_id.car.combined_slip import TyreSlips, across_gradient
 from friction_curve_id.car.neighbours import with_repeated_ends
 from friction_curve_id.car.pitch import PITCH_UNKNOWNS
-from friction_curve_id.car.unknowns import SHARED, Unknown
+from friction_curve_id.car.unknowns import OF_CURVE, SHARED, Unknown
 
 Array = NDArray[np.float64]
 
@@ -45,6 +45,8 @@ class WheelEquation:
     """Torque of the brake and the engine at the nodes, weighed [N m], shape (W, n)."""
     by_wheel_speed: Array
     """d e / d wheel speed at the node by the slip there [1/s], shape (W, n)."""
+    across_gradient: Array | None
+    """d s_y / d unknowns, shape (W, n, SHARED + W); None: the car goes straight."""
 
 
 def weighed(values: Array, share: float) -> Array:
@@ -68,7 +70,7 @@ def wheel_equation(
     moved: Motion,
     torque: Array,
     torque_rate: Array,
-    family: Family,
+    tyres: TyreSlips,
     unknowns: Array,
     torque_stddev: float,
 ) -> WheelEquation:
@@ -80,66 +82,68 @@ def wheel_equation(
         moved: their motion at the unknowns.
         torque: T at nominal gain, weighed, later by the pressure's delay [N m], shape (W, n).
         torque_rate: its derivative by time [N m/s], shape (W, n).
-        family: formula of the curve.
+        tyres: their slips and frictions.
         unknowns: shape (SHARED + W,).
         torque_stddev: what the wheel equation leaves out [N m].
     """
     p = unknowns
-    log_peak = float(p[Unknown.LOG_LAMBDA_MAX])
-    peak, mu_max = exp(log_peak), exp(float(p[Unknown.LOG_MU_MAX]))
-    x = moved.relaxed / peak
-    curve = curve_values(family, log_peak, (float(p[Unknown.SHAPE_1]), float(p[Unknown.SHAPE_2])), x)
+    peak, mu_max = exp(float(p[Unknown.LOG_LAMBDA_MAX])), exp(float(p[Unknown.LOG_MU_MAX]))
+    curve, x = tyres.curve, (tyres.size if tyres.across is None else np.abs(tyres.size)) / peak
     lever = car.radius * moved.load
-    amplitude = mu_max * lever
-    tyre = amplitude * curve.value
-    tyre_by_slip = amplitude * curve.slope / peak
+    tyre = (mu_max * lever * tyres.along) * curve.value
+    tyre_by_slip = lever * tyres.slope_along
     gain = brake_gains(car, nodes, p)
     inertia = car.inertia * exp(float(p[Unknown.LOG_INERTIA]))
+    per_inertia = 1.0 / inertia
     brake = gain * torque
 
     wheels, n = x.shape
+    of_peak = curve.by_log_peak - curve.slope * x
+    by_curve = np.stack([curve.value, of_peak, *curve.by_shape], axis=2) * mu_max
     # First the Jacobian of the tyre's torque, to be weighed; in units of torque.
     tyre_jacobian = np.zeros((wheels, n, SHARED + wheels))
-    tyre_jacobian[:, :, Unknown.LOG_MU_MAX] = tyre
-    tyre_jacobian[:, :, Unknown.LOG_LAMBDA_MAX] = amplitude * (curve.by_log_peak - curve.slope * x)
-    tyre_jacobian[:, :, Unknown.SHAPE_1] = amplitude * curve.by_shape[0]
-    tyre_jacobian[:, :, Unknown.SHAPE_2] = amplitude * curve.by_shape[1]
+    tyre_jacobian[:, :, OF_CURVE] = (lever * tyres.along)[:, :, np.newaxis] * by_curve
     per_load = tyre / moved.load
     tyre_jacobian[:, :, Unknown.LOG_MASS] = tyre
     tyre_jacobian[:, :, Unknown.LOG_HEIGHT_RATIO] = per_load * moved.load_by_height
     tyre_jacobian[:, :, Unknown.FRONT_LOAD_SHARE] = per_load * moved.load_by_share
+    tyre_jacobian[:, :, Unknown.FRONT_ROLL_SHARE] = per_load * moved.load_by_roll
     for row, unknown in enumerate(PITCH_UNKNOWNS):
         tyre_jacobian[:, :, unknown] = per_load * moved.load_by_pitch[row]
     for row, unknown in enumerate(SPEED_UNKNOWNS):
         tyre_jacobian[:, :, unknown] = tyre_by_slip * moved.relaxed_by_speed[row]
     tyre_jacobian[:, :, Unknown.ACCELEROMETER_OFFSET] += per_load * moved.load_by_offset
-    scale = 1.0 + p[Unknown.ACCELEROMETER_SCALE]
-    tyre_jacobian[:, :, Unknown.ACCELEROMETER_SCALE] -= per_load * moved.load_by_height / scale
+    tyre_jacobian[:, :, Unknown.ACCELEROMETER_SCALE] += per_load * moved.load_by_scale
     tyre_jacobian[:, :, Unknown.RELAXATION_LENGTH] = tyre_by_slip * moved.relaxed_by_length
     tyre_jacobian[:, :, Unknown.CURVE] = tyre_by_slip * car.left * moved.relaxed_by_offset
     tyre_jacobian[:, :, Unknown.CURVE_RATE] = tyre_by_slip * car.left * moved.relaxed_by_growth
     for wheel in range(wheels):
         tyre_jacobian[wheel, :, SHARED + wheel] = tyre_by_slip[wheel] * moved.relaxed_by_offset
+    of_across = None
+    if tyres.across is not None:
+        of_across = across_gradient(car, moved, tyres, by_curve)
+        tyre_jacobian += (lever * tyres.pulled)[:, :, np.newaxis] * of_across
     jacobian = weighed(tyre_jacobian, nodes.spread)
-    jacobian *= -1.0
+    jacobian *= -per_inertia[:, :, np.newaxis]
     # The noise of a torque is part of e: a Jacobian that held it would draw inertia and gain to where noise is least.
     smooth = _mean_of_five(brake)
     acting = brake + p[Unknown.ENGINE_DRAG] * car.driven
     passed = weighed(tyre, nodes.spread)
     balance = acting - passed
-    jacobian[:, :, Unknown.LOG_GAIN_FRONT] = car.front * smooth
-    jacobian[:, :, Unknown.LOG_GAIN_REAR] = (1.0 - car.front) * smooth
-    jacobian[:, :, Unknown.FADING] = gains_by_fading(nodes, p) * smooth
-    jacobian[:, :, Unknown.PRESSURE_DELAY] = gain * torque_rate
-    jacobian[:, :, Unknown.ENGINE_DRAG] = car.driven
-    jacobian[:, :, Unknown.LOG_INERTIA] = -(smooth + p[Unknown.ENGINE_DRAG] * car.driven - passed)
-    jacobian *= 1.0 / inertia[:, :, np.newaxis]
+    smoothed = smooth * per_inertia
+    jacobian[:, :, Unknown.LOG_GAIN_FRONT] = car.front * smoothed
+    jacobian[:, :, Unknown.LOG_GAIN_REAR] = (1.0 - car.front) * smoothed
+    jacobian[:, :, Unknown.FADING] = gains_by_fading(nodes, p) * smoothed
+    jacobian[:, :, Unknown.PRESSURE_DELAY] = gain * torque_rate * per_inertia
+    jacobian[:, :, Unknown.ENGINE_DRAG] = car.driven * per_inertia
+    jacobian[:, :, Unknown.LOG_INERTIA] = -(smooth + p[Unknown.ENGINE_DRAG] * car.driven - passed) * per_inertia
 
     missed = (second_difference(brake) ** 2 + second_difference(tyre) ** 2) * nodes.spread**2
     by_wheel_speed = tyre_by_slip * car.radius / moved.speed
     slip_noise = by_wheel_speed * (1.0 - moved.immediate) * nodes.wheel_noise[:, 1:]
     drive = np.where(nodes.closed > 0.0, 0.0, _UNKNOWN_DRIVE**2) * car.driven
-    fixed = (torque_stddev**2 + missed + 0.5 * slip_noise**2 + drive) / inertia**2
+    by_across = (lever * tyres.pulled * tyres.across_stddev) ** 2
+    fixed = (torque_stddev**2 + missed + 0.5 * slip_noise**2 + drive + by_across) / inertia**2
     load_variance = (tyre / inertia) ** 2
     error = nodes.wheel_acceleration + balance / inertia
     immediate = by_wheel_speed * moved.immediate / inertia
@@ -148,7 +152,7 @@ def wheel_equation(
         jacobian[locked] = 0.0
         error[locked] = load_variance[locked] = immediate[locked] = 0.0
         fixed[locked] = _NOTHING
-    return WheelEquation(error, jacobian, fixed, load_variance, acting, immediate)
+    return WheelEquation(error, jacobian, fixed, load_variance, acting, immediate, of_across)
 
 
 def _mean_of_five(values: Array) -> Array:

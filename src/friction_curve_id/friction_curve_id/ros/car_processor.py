@@ -16,6 +16,7 @@ from friction_curve_id.ros.curve_messages import CurveMessages, health_of
 from friction_curve_id.ros.inputs import IMU
 from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.lateral_inputs import MEASURED, NOT_MEASURED, LateralInput
 from friction_runtime.messages import header_at, to_nanoseconds, validity
 from friction_runtime.processor import Level, Output, Report, silent
 from friction_runtime.wheel_inputs import WHEEL_STATES, PressureWatch, WheelSpeeds
@@ -27,6 +28,7 @@ from vehicle_models.vehicle import Vehicle
 
 VEHICLE_FIT = "vehicle_fit"
 _UNKNOWN: Final = (nan,)
+_NO_IMU: Final = (nan, *NOT_MEASURED)
 _PERIOD: Final = 1.0
 """Time between two messages of what was learned [s]; one more when a braking was learned from."""
 
@@ -45,7 +47,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         self._pressure_watches = {topic: PressureWatch(vehicle, wheel) for topic, wheel in self._pressures.items()}
         self._braked_speed = BrakedSpeed(vehicle)
         self._acceleration_unit = AccelerationUnit(largest=inf, lasting=2)  # no slip is in that speed
-        self._mounting = vehicle.accelerometer
+        self._mounting, self._lateral = vehicle.accelerometer, LateralInput(vehicle.accelerometer)
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
         self._estimator = CarEstimator(vehicle, parameters.car)
         self._messages = {
@@ -71,21 +73,23 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         return self._wheel_speeds.read(message)
 
     def _take(self, topic: str, message: Any) -> str | None:
+        stamp = to_nanoseconds(message.header.stamp)
         if topic == IMU:
             # The estimator knows scale and pitch as unknowns of its own.
-            reading = self._mounting.without_bias(message.linear_acceleration)
-        else:
-            # No delay is taken off: the age of the pressures is an unknown too.
-            reading = float(message.fluid_pressure)
-            if not abs(reading) <= HIGHEST_PRESSURE:
-                self._pressure_watches[topic].refuse(to_nanoseconds(message.header.stamp), reading)
-                return f"{topic}: {reading} Pa is not a brake pressure"
-        return self._aligner.offer(topic, to_nanoseconds(message.header.stamp), (reading,))
+            along = self._mounting.without_bias(message.linear_acceleration)
+            return self._aligner.offer(topic, stamp, (along, *self._lateral.read(message)))
+        # No delay is taken off: the age of the pressures is an unknown too.
+        pressure = float(message.fluid_pressure)
+        if not abs(pressure) <= HIGHEST_PRESSURE:
+            self._pressure_watches[topic].refuse(stamp, pressure)
+            return f"{topic}: {pressure} Pa is not a brake pressure"
+        return self._aligner.offer(topic, stamp, (pressure,))
 
     def _fire(self, sample: AlignedSample[tuple[float, ...]]) -> list[Output]:
         pressures = [sample.values.get(topic, _UNKNOWN)[0] for topic in self._pressures]
-        (acceleration,) = sample.values.get(IMU, _UNKNOWN)
-        taken = CarSample(sample.stamp / NANOSECONDS, sample.payload, pressures, acceleration)
+        acceleration, leftward, yaw_rate, known = sample.values.get(IMU, _NO_IMU)
+        across = (leftward, yaw_rate) if known == MEASURED else (nan, nan)
+        taken = CarSample(sample.stamp / NANOSECONDS, sample.payload, pressures, acceleration, *across)
         if wrong_unit := self._wrong_unit(sample, pressures, acceleration):
             # All wheels are fitted together, so one wrong unit spoils them all.
             answers: Sequence[CurveEstimate | Refusal] = [Refusal(Reason.BAD_INPUT, wrong_unit)] * len(self._wheels)
@@ -134,6 +138,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             watch.reset()
         self._braked_speed.reset()
         self._acceleration_unit.reset()
+        self._lateral.reset()
         self._restart(RestartCause.REQUEST)
 
     def _start_again(self, stamp: int) -> None:

@@ -10,6 +10,7 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.lateral_inputs import MEASURED, LateralInput
 from friction_runtime.messages import slip_fault, slip_is_known, to_nanoseconds
 from friction_runtime.processor import Level, Output, Report, level_of, silent
 from friction_runtime.wheel_inputs import WHEEL_STATES, BrakeTorque, WheelSpeeds
@@ -27,8 +28,6 @@ _QUIET = (Reason.OK, Reason.NOT_READY, Reason.LOW_SPEED, Reason.NOT_BRAKING, Rea
 """Reasons that belong to ordinary driving."""
 _BROKEN = (Reason.NO_PRESSURE,)
 """Reasons that do not go away by waiting."""
-_HIGHEST_YAW_RATE: Final = 10.0
-"""[rad/s]"""
 _NO_SLIP = (nan, nan, nan, 0.0)
 _NO_IMU = (nan, nan, nan, 0.0)
 
@@ -56,7 +55,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         self._accelerometer = vehicle.accelerometer
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
         self._detector = CarDetector(vehicle, p)
-        self._has_lateral = False
+        self._lateral = LateralInput(vehicle.accelerometer)
         self._slip_faults = dict.fromkeys(self._slips, "")
         self._last: Sequence[SlopeEstimate] = ()
 
@@ -72,16 +71,10 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         return read if isinstance(read, str) else self._aligner.offer(topic, read[0], (read[1],))
 
     def _offer_motion(self, message: Imu) -> str | None:
-        mounting, measured = self._accelerometer, message.linear_acceleration
-        forward = mounting.forward(measured)
-        leftward, yaw_rate = mounting.sign * float(measured.y), float(message.angular_velocity.z)
-        if not (abs(forward) <= HIGHEST_ACCELERATION and abs(leftward) <= HIGHEST_ACCELERATION):
-            return f"{_IMU}: {forward} and {leftward} m/s^2 are no accelerations of a car"
-        # a sensor of one axis leaves the others at zero
-        self._has_lateral = self._has_lateral or (mounting.axis == "x" and leftward != 0.0)
-        turns = abs(yaw_rate) <= _HIGHEST_YAW_RATE and message.angular_velocity_covariance[0] >= 0.0
-        known = turns and self._has_lateral
-        values = (forward, leftward, yaw_rate, 1.0) if known else (forward, 0.0, 0.0, 0.0)
+        forward = self._accelerometer.forward(message.linear_acceleration)
+        if not (abs(forward) <= HIGHEST_ACCELERATION and abs(message.linear_acceleration.y) <= HIGHEST_ACCELERATION):
+            return f"{_IMU}: {forward} and {message.linear_acceleration.y} m/s^2 are no accelerations of a car"
+        values = (forward, *self._lateral.read(message))
         return self._aligner.offer(_IMU, to_nanoseconds(message.header.stamp), values)
 
     def _offer_slip(self, topic: str, message: WheelSlip) -> str | None:
@@ -96,7 +89,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         slips = np.array([sample.values.get(topic, _NO_SLIP) for topic in self._slips])
         slips[slips[:, 3] != 1.0] = nan
         forward, leftward, yaw_rate, known = sample.values.get(_IMU, _NO_IMU)
-        across = known == 1.0
+        across = known == MEASURED
         found = self._detector.update(
             CarSample(
                 stamp=sample.stamp,
@@ -129,7 +122,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         self._detector.reset()
         for brake in self._brakes.values():
             brake.reset()
-        self._has_lateral = False
+        self._lateral.reset()
         self._slip_faults = dict.fromkeys(self._slips, "")
         self._last = ()
 

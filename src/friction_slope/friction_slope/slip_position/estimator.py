@@ -21,6 +21,7 @@ from friction_slope.slip_position.hypotheses import LEAST_SPEED, MU, RELAXATION,
 from friction_slope.slip_position.lateral_slip import LateralSlip
 from friction_slope.slip_position.wheel_loads import WheelLoads
 from vehicle_models.constants import GRAVITY
+from vehicle_models.lateral_forces import LateralForces, Sideslip
 from vehicle_models.nanoseconds import NANOSECOND
 from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION
 from vehicle_models.vehicle import Vehicle
@@ -75,6 +76,7 @@ class SlipPosition:
         driven = np.array([wheel.driven for wheel in vehicle.wheels])
         self._drag = np.where(driven, vehicle.engine_drag_torque, 0.0)
         self._loads, self._lateral = WheelLoads(vehicle), LateralSlip(vehicle)
+        self._lateral_forces, self._sideslip = LateralForces(vehicle), Sideslip()
         self._blocks, self._hypotheses = Blocks(vehicle), Hypotheses(vehicle)
         self.reset()
 
@@ -82,6 +84,8 @@ class SlipPosition:
         """Forget everything."""
         self._loads.reset()
         self._lateral.reset()
+        self._lateral_forces.reset()
+        self._sideslip.begin_braking()
         self._stamp: int | None = None
         self._known = np.zeros(self._n, dtype=bool)
         self._braked = np.zeros(self._n, dtype=bool)
@@ -113,7 +117,7 @@ class SlipPosition:
     @property
     def slides(self) -> bool:
         """Whether the car slides sideways since it brakes."""
-        return self._lateral.slides
+        return self._sideslip.slides
 
     def update(self, sample: CarSample, braked: Flags) -> Array:
         """Take a sample, later than the last; return P(beyond the peak), shape (n,), NaN without evidence.
@@ -159,7 +163,7 @@ class SlipPosition:
         if not begun.any():
             return
         if rolled:
-            self._lateral.begin_braking()
+            self._sideslip.begin_braking()
         self._seen &= ~begun
         self._speed_variance = np.where(begun, np.maximum(stddev, LEAST_SPEED) ** 2, self._speed_variance)
         for wheel in np.flatnonzero(begun):
@@ -189,13 +193,14 @@ class SlipPosition:
         measured = isfinite(yaw_rate) and isfinite(leftward)
         if not measured:
             yaw_rate = 0.0
-            if self._lateral.known and known.all():
+            if self._lateral_forces.known and known.all():
                 yaw_rate = float(speed[~self._left].mean() - speed[self._left].mean()) / self._track
             leftward = yaw_rate * car_speed
         forward, leftward = (min(max(each, -_HARDEST), _HARDEST) for each in (forward, leftward))
         self._loads.update(dt, forward, leftward)
-        if self._lateral.known:
-            self._lateral.move(dt, car_speed, yaw_rate, leftward, self._forces)
+        if self._lateral_forces.known:
+            self._sideslip.move(dt, car_speed, yaw_rate, leftward)
+            self._lateral_forces.move(dt, yaw_rate, leftward, self._forces)
         return measured
 
     def _gather(
@@ -228,8 +233,9 @@ class SlipPosition:
         for wheel in np.flatnonzero(changed):
             found.change_road(int(wheel), float(stddev[wheel]))
         self._weigh()
-        if lateral.known:
-            lateral.solve(block.duration, self.slip, mu, loads.loads, self._weights, measured)
+        if self._lateral_forces.known:
+            forces_across = self._lateral_forces.forces
+            lateral.solve(block.duration, self.slip, mu, loads.loads, self._weights, forces_across, measured)
         self._sum_up()
 
     def _weigh(self) -> None:

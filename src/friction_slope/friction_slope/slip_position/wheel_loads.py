@@ -4,7 +4,6 @@ Dampers pass load to the other axle at once, springs as the body pitches; which 
 the mean of both, and their difference, times a share between -1/2 and 1/2, is left to the bank.
 """
 
-from math import pi
 from typing import Final
 
 import numpy as np
@@ -12,7 +11,8 @@ from numpy.typing import NDArray
 
 from friction_runtime.filters import first_order_gain
 from vehicle_models.constants import GRAVITY
-from vehicle_models.vehicle import Vehicle
+from vehicle_models.vehicle import FRONT, Vehicle
+from vehicle_models.wheel_forces import PitchMode
 
 Array = NDArray[np.float64]
 
@@ -35,16 +35,18 @@ class WheelLoads:
         self._at_rest = weight * np.array(vehicle.load_shares)
         self._along = -vehicle.mass * np.array(vehicle.transfer_shares)
         sides = np.array([1.0 if wheel.side == "left" else -1.0 for wheel in vehicle.wheels])
-        lever = vehicle.centre_of_gravity_height / vehicle.track
-        self._across = -2.0 * sides * np.array(vehicle.load_shares) * vehicle.mass * lever
+        front = vehicle.front_roll_share
+        of_axle = np.array([front if wheel.axle == FRONT else 1.0 - front for wheel in vehicle.wheels])
+        self._across = -sides * of_axle * (vehicle.mass * vehicle.centre_of_gravity_height / vehicle.track)
         if len(vehicle.wheels) < 4:
             self._across = np.zeros(len(vehicle.wheels))
-        self._frequency = 2.0 * pi * vehicle.pitch_frequency
+        self._pitch = PitchMode(vehicle.pitch_frequency, PITCH_DAMPING)
         self.reset()
 
     def reset(self) -> None:
         """Forget the past."""
-        self._damped = self._pitched = self._rate = self._rolled = 0.0
+        self._damped = self._rolled = 0.0
+        self._pitch.settle(0.0)
         self._begun = False
         self.loads = self._at_rest.copy()
         """[N], shape (n,)."""
@@ -52,14 +54,13 @@ class WheelLoads:
         """Load by springs alone less that by dampers alone [N], shape (n,)."""
 
     def update(self, dt: float, forward: float, leftward: float) -> None:
-        """Take accelerations of the car [m/s^2] after a time step [s], shorter than the period of the pitch."""
+        """Take accelerations of the car [m/s^2] after a time step [s]."""
         if not self._begun:
-            self._begun, self._damped, self._pitched, self._rolled = True, forward, forward, leftward
-        w = self._frequency
+            self._begun, self._damped, self._rolled = True, forward, leftward
+            self._pitch.settle(forward)
         self._damped += first_order_gain(dt, DAMPED) * (forward - self._damped)
-        self._rate += dt * w * (w * (forward - self._pitched) - 2.0 * PITCH_DAMPING * self._rate)
-        self._pitched += dt * self._rate
+        self._pitch.step(dt, forward)
         self._rolled += first_order_gain(dt, ROLLED) * (leftward - self._rolled)
-        moved = 0.5 * (self._damped + self._pitched) * self._along + self._rolled * self._across
+        moved = 0.5 * (self._damped + self._pitch.moved) * self._along + self._rolled * self._across
         self.loads = np.maximum(self._at_rest + moved, LEAST_SHARE * self._at_rest)
-        self.delayed = (self._pitched - self._damped) * self._along
+        self.delayed = (self._pitch.moved - self._damped) * self._along
