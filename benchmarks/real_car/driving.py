@@ -1,28 +1,48 @@
-"""Ordinary driving of random cars: no peak is passed; no valid peak and no lasting slope sign beyond it may come."""
+"""Ordinary driving of random cars: no peak is passed; no valid peak and no lasting slope sign beyond it may come.
+
+The IMUs differ from drive to drive: one measures the motion across, one states that it does not turn (REP 145), and one
+leaves zeros in what it does not measure, as many drivers do.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
-from friction_msgs.msg import FrictionSlope
+from friction_msgs.msg import FrictionCurve, FrictionSlope
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
-from benchmarks.real_car.stops import ALARM, VEHICLE, follow
+from benchmarks.real_car.stops import ALARM, VEHICLE
 from benchmarks.runner import Row, at_most, not_judged, run_lengths
 from benchmarks.slope.detection import METHODS, shipped_settings
+from corner_sim.car.cornering_car import CorneringCar
 from corner_sim.car.driving import OrdinaryDriver
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
+from friction_curve_id.parameters import SHIPPED
+from friction_curve_id.ros.processor import build
+from friction_parameters.parameter import changed
 from friction_runtime.messages import header_at
-from friction_runtime.processor import Output
+from friction_runtime.processor import Output, ProcessorGraph
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
 DRIVE = 120.0
 """Length of a drive [s]; the hours are made of such drives, each of another car."""
+_START = 15.0
+"""Speed at the begin [m/s]."""
 LASTING = 0.05
 """Time for which P(beyond the peak) > 0.9 is a lasting alarm [s]."""
+
+
+class Across(Enum):
+    """What an IMU has of the motion across the car."""
+
+    MEASURED = 0
+    NOT_MEASURED = 1
+    ZEROS = 2
+    """A lateral acceleration, and a yaw rate of zero that is not marked as missing."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +53,7 @@ class Drive:
     road: str
     family: str
     method: str
+    across: Across = Across.MEASURED
     duration: float = DRIVE
     """[s]"""
 
@@ -55,17 +76,30 @@ def record_drive(drive: Drive) -> Recording:
     # the drive has hills of its own: on snow no car with two driven wheels climbs more
     car = replace(random_car(drive.seed, drive.road, drive.family).parameters, slope=0.0)
     driver = OrdinaryDriver(car, drive.seed)
-    return record(car, driver, drive.seed, speed=15.0, duration=drive.duration, surroundings=driver.surroundings)
+    moving = CorneringCar(car, _START, drive.seed)
+    return record(
+        car, driver, drive.seed, speed=_START, duration=drive.duration, surroundings=driver.surroundings, car=moving
+    )
 
 
-def curves_of_drive(run: Recording, method: str) -> DriveResult:
+def curves_of_drive(run: Recording, drive: Drive) -> DriveResult:
     """Estimate the curves of a drive and count what is claimed."""
-    found = follow(method, run, len(run.time))
+    vehicle = load_vehicle(VEHICLE)
+    parameters = changed(SHIPPED["friction_curve_id"].parameters, {"method": drive.method, "speed_source": "none"})
+    graph = ProcessorGraph(build(parameters, vehicle))
+    claims: dict[str, list[tuple[bool, bool]]] = {wheel: [] for wheel in vehicle.wheel_names}
+    for sample in sensor_messages(run, vehicle, drive):
+        for topic, message in sample:
+            for _, answer in graph.feed(topic, message):
+                if isinstance(answer, FrictionCurve):
+                    claims[answer.wheel].append((answer.validity.valid, answer.probability_beyond_peak > ALARM))
     lasting = round(LASTING * run.parameters.sensors.sample_rate)
+    # the newest sample of a wheel may still wait for its inputs
+    valid, alarm = np.moveaxis(np.array([each[: min(map(len, claims.values()))] for each in claims.values()]), 2, 0)
     return DriveResult(
         hours=float(run.time[-1]) / 3600.0,
-        valid_peaks=len(run_lengths(found.valid == 1.0)),
-        lasting_alarms=int(np.sum(run_lengths(found.probability_beyond_peak > ALARM) > lasting)),
+        valid_peaks=len(run_lengths(valid.T)),
+        lasting_alarms=int(np.sum(run_lengths(alarm.T) > lasting)),
         largest_slip=float(np.abs(run.tyre_slip / run.lambda_max).max()),
     )
 
@@ -97,13 +131,13 @@ class SlopeDrive:
     """Time with the sign -1, of all wheels together [s]."""
 
 
-def signs_of_drive(run: Recording) -> SlopeDrive:
+def signs_of_drive(run: Recording, drive: Drive) -> SlopeDrive:
     """Let the processors follow a drive and count the signs."""
     vehicle, settings = load_vehicle(VEHICLE), shipped_settings(imu=True)
     slip, _ = settings.processors(vehicle, vehicle.wheel_names[0])
     slopes = [settings.processors(vehicle, wheel)[1] for wheel in vehicle.wheel_names]
     signs: dict[str, list[list[tuple[bool, bool]]]] = {method: [[] for _ in slopes] for method in METHODS}
-    for sample in sensor_messages(run, vehicle):
+    for sample in sensor_messages(run, vehicle, drive):
         for topic, message in sample:
             given = [(topic, message), *(slip.process(topic, message) if topic in slip.sensors else ())]
             for wheel, of_wheel in enumerate(slopes):
@@ -128,12 +162,21 @@ def signs_of_drive(run: Recording) -> SlopeDrive:
     return SlopeDrive(float(run.time[-1]) / 3600.0, lasting, lasting_valid, beyond)
 
 
-def sensor_messages(run: Recording, vehicle: Vehicle) -> Iterator[list[Output]]:
-    """Yield the messages of the sensors of each sample of a recording."""
+def sensor_messages(run: Recording, vehicle: Vehicle, drive: Drive) -> Iterator[list[Output]]:
+    """Yield the messages of the sensors of each sample of the recording of a drive."""
+    rng = np.random.default_rng([drive.seed, 31])
+    bias, offset = float(rng.normal(0.0, 0.1)), float(rng.normal(0.0, 0.01))
+    noise = rng.normal(0.0, (0.05, 0.003), (len(run.time), 2))
     for k, time in enumerate(run.time.tolist()):
         at = header_at(round((time + 1.0) * NANOSECONDS), "base_link")
         imu = Imu(header=at)
         imu.linear_acceleration.x = float(run.acceleration[k])
+        if drive.across is Across.NOT_MEASURED:
+            imu.angular_velocity_covariance[0] = -1.0
+        else:
+            imu.linear_acceleration.y = float(run.yaw_rate[k] * run.speed[k] + bias + noise[k, 0])
+        if drive.across is Across.MEASURED:
+            imu.angular_velocity.z = float(run.yaw_rate[k] + offset + noise[k, 1])
         pressures = [
             (f"{wheel}/brake_pressure", FluidPressure(header=at, fluid_pressure=float(pressure)))
             for wheel, pressure in zip(vehicle.wheel_names, run.brake_pressure[k], strict=True)

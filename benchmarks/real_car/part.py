@@ -14,6 +14,7 @@ from benchmarks.real_car.bound import Bound, bound, bound_rows
 from benchmarks.real_car.curves import CASES, curve_rows, make_curve_stop
 from benchmarks.real_car.driving import (
     DRIVE,
+    Across,
     Drive,
     DriveResult,
     SlopeDrive,
@@ -206,10 +207,17 @@ def _driving(options: argparse.Namespace) -> list[Row]:
 
 
 def drives(hours: float, first: int, method: str) -> list[Drive]:
-    """Drives of `hours` together, from the one with the number `first` >= 1 on; their cars go by number."""
+    """Drives of `hours` together, from the one with the number `first` >= 1 on; cars and IMUs go by number."""
     seconds = round(3600.0 * hours, 3)
     return [
-        Drive(_FIRST_SEED + k, ROADS[k // 2 % len(ROADS)], _family(k), method, min(DRIVE, seconds - done * DRIVE))
+        Drive(
+            _FIRST_SEED + k,
+            ROADS[k // 2 % len(ROADS)],
+            _family(k),
+            method,
+            Across(k % len(Across)),
+            min(DRIVE, seconds - done * DRIVE),
+        )
         for done, k in enumerate(range(first - 1, first - 1 + int(-(-seconds // DRIVE))))
     ]
 
@@ -217,7 +225,7 @@ def drives(hours: float, first: int, method: str) -> list[Drive]:
 def _one_drive(drive: Drive) -> tuple[DriveResult, SlopeDrive]:
     """Both estimates follow the same recording: the plant takes a third of a drive's time."""
     run = record_drive(drive)
-    return curves_of_drive(run, drive.method), signs_of_drive(run)
+    return curves_of_drive(run, drive), signs_of_drive(run, drive)
 
 
 def _known(options: argparse.Namespace) -> list[Row]:

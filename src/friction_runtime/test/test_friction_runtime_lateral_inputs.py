@@ -21,7 +21,7 @@ def test_both_are_read_with_the_sign_of_the_mounting(sign: float) -> None:
     assert LateralInput(Accelerometer(sign=sign)).read(imu(3.0, 0.2)) == (sign * 3.0, 0.2, MEASURED)
 
 
-@pytest.mark.parametrize("yaw_rate, covariance", [(0.2, -1.0), (nan, 0.0), (11.0, 0.0)])
+@pytest.mark.parametrize("yaw_rate, covariance", [(0.2, -1.0), (nan, 0.0), (11.0, 0.0), (0.0, 0.0)])
 def test_without_a_yaw_rate_nothing_is_measured(yaw_rate: float, covariance: float) -> None:
     assert LateralInput(Accelerometer()).read(imu(3.0, yaw_rate, covariance)) == NOT_MEASURED
 

@@ -132,7 +132,7 @@ def messages(job: DriveJob, vehicle: Vehicle) -> Iterator[tuple[str, Any]]:
     measured = MeasuredCar(parameters, _FIRST_SPEED, of_drive)
     dry = replace(parameters, tyres=(tyres.on("dry", 1.0),) * 4)
     driver = _Driver(dry, car.cycling, rng, of_drive)
-    roll, bias = float(rng.uniform(0.0, 0.1)), float(rng.normal(0.0, 0.1))
+    roll, bias, turn_bias = float(rng.uniform(0.0, 0.1)), float(rng.normal(0.0, 0.1)), float(rng.normal(0.0, 0.01))
     pressure, around, next_fix = [0.0] * 4, Surroundings(), 0.0
     for step in range(round(job.seconds / STEP)):
         now = measured.car
@@ -146,6 +146,7 @@ def messages(job: DriveJob, vehicle: Vehicle) -> Iterator[tuple[str, Any]]:
             imu.linear_acceleration.x = m.acceleration
             leftward = (1.0 + roll) * around.curvature * now.speed**2
             imu.linear_acceleration.y = leftward + bias + 0.05 * float(rng.normal())
+            imu.angular_velocity.z = around.curvature * now.speed + turn_bias + 0.003 * float(rng.normal())
             yield "/imu/data", imu
             yield "/wheel_states", JointState(header=at, name=list(vehicle.joints), velocity=m.wheel_speed)
             if m.time >= next_fix:

@@ -11,6 +11,7 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.lateral_inputs import yaw_rate_of
 from friction_runtime.messages import header_at, to_nanoseconds, validity
 from friction_runtime.processor import Level, Output, Report, silent
 from friction_runtime.wheel_inputs import WHEEL_STATES, WheelSpeeds
@@ -28,8 +29,6 @@ from wheel_slip.wheel_equation import B, U
 IMU: Final = "imu/data"
 VEHICLE_VELOCITY: Final = "vehicle_velocity"
 VEHICLE_SPEED: Final = "vehicle_speed"
-_HIGHEST_YAW_RATE: Final = 5.0
-"""[rad/s] beyond which a reading is garbage: a car that turns on the spot on ice makes half of it."""
 _UNKNOWN: Final = 1e6
 """Variance of what is not estimated of a twist, as consumers of covariances expect it."""
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
@@ -120,11 +119,8 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     def _motion(self, message: Imu) -> tuple[float, float, float]:
         """Acceleration forward [m/s^2], NaN where it is garbage; yaw rate [rad/s], and 1.0 where that is known."""
         acceleration = self._accelerometer.forward(message.linear_acceleration)
-        yaw_rate = float(message.angular_velocity.z)
-        # REP 145: -1 says that the quantity is not measured. All that is exactly zero is not measured either.
-        known = abs(yaw_rate) <= _HIGHEST_YAW_RATE and message.angular_velocity_covariance[0] >= 0.0
-        rates = message.angular_velocity
-        known = known and bool(rates.x or rates.y or rates.z)
+        yaw_rate = yaw_rate_of(message)
+        known = isfinite(yaw_rate)
         forward = acceleration if abs(acceleration) <= HIGHEST_ACCELERATION else nan
         return forward, yaw_rate if known else 0.0, float(known)
 
