@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 
 from benchmarks.real_car import part
 from benchmarks.real_car.bound import Bound, _burckhardt, _correlation, _pacejka, _sensitivities, bound
-from benchmarks.real_car.driving import DriveResult, SlopeDrive, drive_rows, slope_drive_rows
+from benchmarks.real_car.driving import (
+    Across,
+    Drive,
+    DriveResult,
+    SlopeDrive,
+    drive_rows,
+    record_drive,
+    sensor_messages,
+    slope_drive_rows,
+)
 from benchmarks.real_car.part import NOMINAL_CARS, PERTURBATIONS, perturbed_car
 from benchmarks.real_car.road_change import TwoRoads, TwoRoadsResult, make_two_roads, rise_rows, two_roads_rows
 from benchmarks.real_car.stops import METHODS, VEHICLE, Answers, judge, stop_rows
@@ -18,6 +27,7 @@ from corner_sim.car.car import load_variation
 from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
 from corner_sim.car.tyres import TYRES, Burckhardt, Pacejka
+from friction_runtime.lateral_inputs import MEASURED, LateralInput
 from vehicle_models.surfaces import TABLE_8_1
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -227,3 +237,16 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
     assert {row["road"] for row in rows} == {"wet", "all", "dry to wet", *TABLE_8_1}
     for row in rows:
         assert {"value", "limit", "passed"} <= set(row)
+
+
+@pytest.mark.parametrize("across", Across)
+def test_imus_that_do_not_turn_are_seen_as_such(across: Across) -> None:
+    drive = Drive(1, "dry", "burckhardt", "car", across, duration=2.0)
+    run, vehicle = record_drive(drive), load_vehicle(VEHICLE)
+    lateral = LateralInput(vehicle.accelerometer)
+    read = [lateral.read(dict(sample)["imu/data"]) for sample in sensor_messages(run, vehicle, drive)]
+    assert len(read) == len(run.time)
+    assert all((found[-1] == MEASURED) is (across is Across.MEASURED) for found in read)
+    if across is Across.MEASURED:
+        turning = np.array(read)[:, 1] - run.yaw_rate
+        assert np.std(turning) < 0.01
