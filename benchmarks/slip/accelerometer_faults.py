@@ -1,4 +1,7 @@
-"""Ordinary drives with an accelerometer that becomes late, frozen, biased, scaled or wrongly signed in mid-drive."""
+"""Ordinary drives with an accelerometer that becomes late, frozen, biased, scaled or wrongly signed in mid-drive.
+
+Beside them one that falls silent: a faulty one cannot do better.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -30,6 +33,7 @@ def _late(delay: float, reading: Array, dt: float) -> Array:
 
 FAULTS: Final[Mapping[str, Callable[[Array, float], Array]]] = {
     "none": lambda reading, dt: reading,
+    "silent": lambda reading, dt: np.full_like(reading, np.nan),
     **{f"{delay} s late": partial(_late, delay) for delay in (0.1, 0.2, 0.5, 1.0, 1.5)},
     "frozen": lambda reading, dt: np.full_like(reading, reading[round(FROM / dt)]),
     "wrong sign": lambda reading, dt: -reading,
@@ -66,7 +70,7 @@ def _follow(
     estimator = SlipEstimator(vehicle, parameters)
     errors, lasts, longest, named = [], 0.0, 0.0, False
     for (answer, *_), time, speed in zip(estimates(estimator, run, vehicle), run.time, run.speed, strict=True):
-        named = named or (time >= FROM and bool(estimator.accelerometer.text))
+        named = named or (time >= FROM and bool(estimator.accelerometer_text))
         if answer.reason or time < FROM or speed < LEAST_SPEED:
             lasts = 0.0
             continue

@@ -44,6 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--seeds", type=count, default=100, help="noise seeds a road")
     parser.add_argument("--cars", type=count, default=8, help="cars drawn for each of the drives")
+    parser.add_argument("--first-car", type=count, default=1, help="number of the first of them")
     parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES, help="what to run")
     parser.add_argument(
         "--vehicle", default=_CAR_OF_STOPS, help="car of the stops: vehicle file or name of a shipped one"
@@ -58,6 +59,7 @@ def run(options: argparse.Namespace) -> list[Row]:
     each of them.
     """
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
+    cars = range(options.first_car - 1, options.first_car - 1 + options.cars)
     rows: list[Row] = []
     if "stops" in options.cases:
         stopped = _simulated(seeds, _car_of_stops(options.vehicle))
@@ -67,11 +69,11 @@ def run(options: argparse.Namespace) -> list[Row]:
         rows += measured + _judged(measured)
         rows += _laps(options.data / IAC)
     if "drives" in options.cases:
-        rows += consistency_rows(_car_of_stops(options.vehicle), shipped().estimator, range(options.cars))
+        rows += consistency_rows(_car_of_stops(options.vehicle), shipped().estimator, cars)
     if "curves" in options.cases:
-        rows += curve_rows(_car_of_stops(options.vehicle), shipped().estimator, range(options.cars))
+        rows += curve_rows(_car_of_stops(options.vehicle), shipped().estimator, cars)
     if "faults" in options.cases:
-        rows += fault_rows(_car_of_stops(options.vehicle), shipped().estimator, range(options.cars))
+        rows += fault_rows(_car_of_stops(options.vehicle), shipped().estimator, cars)
     return rows
 
 

@@ -44,7 +44,7 @@ _OUTLIER: Final = 4.5
 """Half the squared deviations of an innovation from which on it says nothing: three deviations."""
 _TAIL: Final = 1.5
 """Exponent of the ages to expect, 1 / (1 + (tau / deviation)^2): 1 s is one in 300 where the deviation is 0.1 s."""
-FAULTY: Final = 1e-3
+_FAULTY: Final = 1e-3
 """Probability that an accelerometer is turned, and that it is stuck."""
 _MEMORY: Final = 300.0
 """Time after which what was said counts a third [s]."""
@@ -66,7 +66,7 @@ class SignalAge:
             accelerometer: whether X is the integral of an accelerometer, which may be turned or stuck.
         """
         count = _AGES.size + 2
-        self._expected = np.full(count, np.log(FAULTY) if accelerometer else -1e3)
+        self._expected = np.full(count, np.log(_FAULTY) if accelerometer else -1e3)
         self._expected[: _AGES.size] = -_TAIL * np.log1p((_AGES / deviation) ** 2)
         self._sign = np.ones(count)
         self._sign[[_TURNED, _STUCK]] = -1.0, 0.0
@@ -89,10 +89,6 @@ class SignalAge:
         self._delta: Array | None = None
         self._last = 0
         self._rate = 0.0
-
-    def expect_stuck(self, probability: float) -> None:
-        """Take how probable it is to begin with that X says nothing: it repeats one value, for one."""
-        self._expected[_STUCK] = np.log(probability)
 
     def follow(self, stamp: int, value: float) -> None:
         """Take Y [m/s] at a stamp [ns]."""

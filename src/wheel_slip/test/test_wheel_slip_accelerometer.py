@@ -29,7 +29,7 @@ def drive(read: np.ndarray, a: np.ndarray) -> tuple[str, np.ndarray]:
         slips = np.array([0.006 * -true if true < 0.0 or wheel.driven else 0.0 for wheel in CAR.wheels])
         omega = speed * (1.0 - slips) / np.array(CAR.radii) + 0.07 * rng.normal(size=4)
         rows = estimator.update(round(k * STEP * 1e9), omega.tolist(), float(reading))
-        named = named or estimator.accelerometer.text
+        named = named or estimator.accelerometer_text
         if rows[0].reason is Reason.OK:
             z.append((rows[0].vehicle_speed - speed) / rows[0].vehicle_speed_variance ** 0.5)
     return named, np.array(z)

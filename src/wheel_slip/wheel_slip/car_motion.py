@@ -1,9 +1,9 @@
-"""Estimates speed, yaw rate, slips and radii of a car, by one Kalman filter for each hypothesis about the road's slope.
+"""Estimates speed, yaw rate, slips and radii of a car, by a Kalman filter for each hypothesis on slope and sensor.
 
 | state | | unit | model |
 |---|---|---|---|
 | v | speed of the middle of the rear axle, forward positive | m/s | v' = (a_m - b)(1 - k) + (t_0 + t) a_m' + n_a |
-| b | offset of the accelerometer and slope of the road | m/s^2 | walks: with `offset_walk`, or as the slope does |
+| b | offset of the accelerometer and slope of the road | m/s^2 | walks: by `offset_walk`, the slope, or `misread` |
 | k | error of the accelerometer's gain: scale, pitch of the body | - | constant |
 | u | yaw rate, counter-clockwise positive | rad/s | u' = -u / T_u + n_u |
 | t | age of the accelerometer beyond that of the vehicle file | s | constant, not estimated |
@@ -43,9 +43,11 @@ from wheel_slip.wheel_equation import SLOWEST_TURN, B, C, F, K, S, T, U, V, Whee
 
 Array = NDArray[np.float64]
 
-SLOPE_KEPT, SLOPE_CHANGED = range(2)
-"""The hypotheses: the road has the slope that was last seen, or has changed it since."""
-
+SLOPE_KEPT, SLOPE_CHANGED, MISREAD = range(3)
+"""The hypotheses: the road has the slope that was last seen, or has changed it since; or the accelerometer is late,
+turned or stuck, and its offset changes as the accelerations of cars do."""
+_PRIOR: Final = np.array([0.899, 0.1, 0.001])
+"""Their probabilities at the start."""
 _JITTER: Final = 100_000
 """By which stamps may be off their grid [ns]."""
 _STANDS: Final = 1.0
@@ -103,20 +105,20 @@ class CarMotion:
         self._expected = np.zeros(C + 2 * self._count)
         self._expected[C : self._e] = noise.compliance
         self._expected[S] = noise.slide
-        self._of_speed, self._of_yaw = np.zeros((2, 2, C + 2 * self._count))
+        self._of_speed, self._of_yaw = np.zeros((2, _PRIOR.size, C + 2 * self._count))
         self._of_speed[:, V], self._of_yaw[:, U] = 1.0, 1.0
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
-        self._bank = FilterBank(self._expected, self._prior, np.array([0.9, 0.1]), T)
+        self._bank = FilterBank(self._expected, self._prior, _PRIOR, T)
         self.started = False
         """Whether there is a speed."""
         self._tyres.reset()
         self._failed, self._untold = np.zeros((2, self._count))
         self._steps: deque[Means] = deque(maxlen=3)
         self._step.reset()
-        self._carried = 0.0
+        self._carried = self._misread_way = 0.0
         self._tell()
 
     def set_noise(self, variance: float) -> None:
@@ -127,14 +129,9 @@ class CarMotion:
         """Take the variance that the noise of the accelerometer brings to the speed in a second [m^2/s^3]."""
         self._drift = variance
 
-    def set_age_variance(self, variance: float) -> None:
-        """Take how far the accelerometer may be late beyond the vehicle file, as a variance [s^2]."""
-        if variance > self.covariance[T, T]:
-            self._bank.p[:, T, T] = np.maximum(self._bank.p[:, T, T], variance)
-
     @property
     def probabilities(self) -> Array:
-        """Of the hypotheses, shape (2,)."""
+        """Of the hypotheses, shape (3,)."""
         return self._bank.probabilities
 
     @property
@@ -145,7 +142,13 @@ class CarMotion:
     @property
     def travelled(self) -> float:
         """Integral of the acceleration as it was felt [m/s], slope and bias included; begins anywhere."""
-        return self._step.way
+        return self._step.way - self._misread_way
+
+    @property
+    def _misread(self) -> float:
+        """By how much the accelerometer reads another motion than that of the car [m/s^2]."""
+        bank = self._bank
+        return float(bank.probabilities[MISREAD] * (bank.x[MISREAD, B] - bank.x[SLOPE_KEPT, B]))
 
     @property
     def acceleration(self) -> float:
@@ -281,17 +284,22 @@ class CarMotion:
         p, way = self._noise, dt * abs(self._speed)
         known = p.slope_known**2 / (p.slope_known**2 + float(self._bank.p[SLOPE_CHANGED, B, B]))
         out, back = min(way / p.slope_every, 0.5), min(way / p.slope_length * known, 0.5)
-        self._bank.mix(np.array([[1.0 - out, out], [back, 1.0 - back]]))
+        fails, heals = (dt / p.misread_every, dt / p.misread_time) if self._step.reading is not None else (0.0, 1.0)
+        change = (1.0 - fails) * np.array([[1.0 - out, out, 0.0], [back, 1.0 - back, 0.0]])
+        change[:, MISREAD] = fails
+        # One that reads the motion of the car again has any offset, on any slope.
+        healing = [[0.0, 0.0, 1.0 - heals], [0.0, heals, 0.0]]
+        self._bank.mix_with(np.concatenate([change, healing]), MISREAD, B, 0.0, self._offset**2)
 
     def _predict(self, dt: float) -> None:
         """Go on to the end of a step."""
         p, x, covariance = self._noise, self._bank.x, self._bank.p
         seen = self._step.reading is not None
         way, kept = self._step.gone, 1.0 - x[:, K]
-        by_offset = way - dt * x[:, B] if seen else np.full(2, way)
+        by_offset = way - dt * x[:, B] if seen else np.full(len(x), way)
         x[:, V] += by_offset * kept + self._delay * self._step.moved
         if seen:
-            f = np.stack([-dt * kept, -by_offset, np.full(2, self._step.moved)], axis=1)
+            f = np.stack([-dt * kept, -by_offset, np.full(len(x), self._step.moved)], axis=1)
             covariance[:, V] += (f[:, None] @ covariance[:, [B, K, T]])[:, 0]
             covariance[:, :, V] += (covariance[:, :, [B, K, T]] @ f[:, :, None])[:, :, 0]
         speed = max(abs(self._speed), SLOWEST)
@@ -303,6 +311,7 @@ class CarMotion:
         covariance[SLOPE_KEPT, B, B] += dt * p.offset_walk**2
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
         covariance[SLOPE_CHANGED, B, B] += dt * speed / p.slope_length * unknown
+        covariance[MISREAD, B, B] += dt * p.misread**2
         self._bank.forget(U, exp(-dt / p.curve_time), 0.0, (p.lateral / max(speed, SLOWEST_TURN)) ** 2)
         self._bank.forget(S, exp(-dt / p.slide_time), p.slide, p.slide_alike * p.slide_stddev**2)
 
@@ -316,11 +325,13 @@ class CarMotion:
         unread = self._step.reading is None
         rates = (now.rim_speeds - before.rim_speeds) / span
         rates[~np.isfinite(rates)] = 0.0
-        reading = (now.way - before.way) / span
+        misread = self._misread
+        self._misread_way += dt * misread
+        reading = (now.way - before.way) / span - misread
         mean_speed, offset = float(bank.x[0, V]), float(self.mean[B])
         speed = max(abs(mean_speed), SLOWEST)
         behind = self._relaxation / speed
-        unlike = reading - (0.0 if unread else offset) - rates
+        unlike = reading - (0.0 if unread else offset - misread) - rates
         rest = np.maximum(np.abs(unlike) - 3.0 * sqrt(2.0 * self._rim_variance) / span, 0.0)
         locked = np.abs(then.rim_speeds) <= LOCKED
         settles = p.pressure_delay if self._forces.told_by(torques) else p.correlation

@@ -7,14 +7,15 @@ from typing import NamedTuple
 
 from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
 from sensor_monitor.frozen_wheel import FrozenWheels
+from sensor_monitor.signal_noise import MORE, SignalNoise
 from sensor_monitor.unit_check import UnitCheck
 from sensor_monitor.wheel_noise import WheelNoise
 from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.accelerometer import Accelerometer
-from wheel_slip.car_motion import SLOPE_CHANGED, CarMotion, WheelMotion
+from wheel_slip.car_motion import MISREAD, SLOPE_CHANGED, CarMotion, WheelMotion
 from wheel_slip.estimate import Hypotheses, SpeedSample, WheelEstimate
+from wheel_slip.motion_noise import MotionNoise
 from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
 from wheel_slip.speed_sensor import SpeedSensor
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
@@ -49,8 +50,8 @@ class SlipEstimator:
         """Motion of the car."""
         self.speed_sensor = SpeedSensor()
         """What is known of the speed sensor."""
-        self.accelerometer = Accelerometer(vehicle)
-        """What is known of the accelerometer."""
+        self._ordinary = MotionNoise().acceleration ** 2
+        self._accelerometer_noise = SignalNoise(self._ordinary, self._ordinary)
         self.reset()
 
     def reset(self) -> None:
@@ -62,7 +63,8 @@ class SlipEstimator:
         self._frozen.reset()
         self.car.reset()
         self.speed_sensor.reset()
-        self.accelerometer.reset()
+        self._accelerometer_noise.reset()
+        self._read = False
         self._stamp = 0
 
     def update(
@@ -95,17 +97,16 @@ class SlipEstimator:
             rims.append(measured * radius if isfinite(measured) and not wheel.in_gap else nan)
         frozen = self._frozen.update(stamp, rims)
         rims = [nan if dead else rim for rim, dead in zip(rims, frozen, strict=True)]
-        left_out = self.accelerometer.text
-        reading = self.accelerometer.usable(stamp, acceleration, rims)
-        if self.accelerometer.text and not left_out:
-            self.car.reset()  # what it has said cannot be told from what is
+        reading = acceleration if acceleration is not None and isfinite(acceleration) else None
+        if reading is not None:
+            self._read = True
+            self._accelerometer_noise.update(stamp, reading)
+            noisy = self._accelerometer_noise.variance > MORE * self._ordinary
+            self.car.set_drift(self._accelerometer_noise.drift if noisy else 0.0)
         self._watch_noise(stamp, wheel_speeds)
         self.car.update(
             stamp, rims, reading, torques, yaw_rate if yaw_rate is not None and isfinite(yaw_rate) else None
         )
-        if reading is not None:
-            self.car.set_drift(self.accelerometer.drift)
-            self.car.set_age_variance(self.accelerometer.against_wheels.age_variance)
         self.speed_sensor.follow(stamp, self.car)
         for sample in measured_speeds:
             self.speed_sensor.update(sample, self.car)
@@ -124,8 +125,15 @@ class SlipEstimator:
     @property
     def hypotheses(self) -> Hypotheses:
         """Probabilities of what may be the matter with road and sensors."""
-        changed = float(self.car.probabilities[SLOPE_CHANGED])
-        return Hypotheses(changed, self.accelerometer.wrong, self.speed_sensor.wrong(self._stamp))
+        changed, misread = (float(self.car.probabilities[each]) for each in (SLOPE_CHANGED, MISREAD))
+        return Hypotheses(changed, misread if self._read else nan, self.speed_sensor.wrong(self._stamp))
+
+    @property
+    def accelerometer_text(self) -> str:
+        """Names what is wrong with the accelerometer, empty where nothing is."""
+        if not self.hypotheses.accelerometer_wrong > 0.5:
+            return ""
+        return "reads another motion than the wheels: late, turned or stuck?"
 
     @property
     def radius_text(self) -> str:

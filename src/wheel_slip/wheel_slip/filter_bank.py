@@ -1,4 +1,4 @@
-"""Bank of two Kalman filters of one state, one for each of two hypotheses (interacting multiple models).
+"""Bank of Kalman filters of one state, one for each hypothesis (interacting multiple models).
 
 Blom and Bar-Shalom, The interacting multiple model algorithm, IEEE Trans. Automatic Control 33 (1988). A state that is
 only considered (Schmidt) is not estimated: what it may do to the others is in their covariance.
@@ -11,41 +11,51 @@ Array = NDArray[np.float64]
 
 
 class FilterBank:
-    """Means x, shape (2, states), and covariances p, shape (2, states, states), of both hypotheses."""
+    """Means x, shape (hypotheses, states), and covariances p, shape (hypotheses, states, states)."""
 
     def __init__(self, mean: Array, covariance: Array, probabilities: Array, considered: int) -> None:
-        """Start both at the same mean (states,) and covariance (states, states).
+        """Start all at the same mean (states,) and covariance (states, states).
 
         Args:
             mean: see x.
             covariance: see p.
-            probabilities: of the hypotheses, shape (2,).
+            probabilities: of the hypotheses.
             considered: the state that is not estimated.
         """
-        self.x: Array = np.stack([mean, mean])
-        self.p: Array = np.stack([covariance, covariance])
+        self.x: Array = np.stack([mean] * len(probabilities))
+        self.p: Array = np.stack([covariance] * len(probabilities))
         self.probabilities = probabilities
         self._considered = considered
         self.collapse()
 
     def collapse(self) -> None:
-        """Take both hypotheses together."""
-        first, second = self.probabilities
-        apart = self.x[1] - self.x[0]
-        self.mean: Array = self.x[0] + second * apart
+        """Take all hypotheses together."""
+        weight = self.probabilities[:, None]
+        self.mean: Array = self.probabilities @ self.x
         """Mean of the states, shape (states,)."""
-        self.covariance: Array = first * self.p[0] + second * self.p[1] + (first * second * apart)[:, None] * apart
+        apart = self.x - self.mean
+        self.covariance: Array = (weight[:, None] * self.p).sum(axis=0) + (weight * apart).T @ apart
         """Of them, shape (states, states)."""
 
     def mix(self, change: Array) -> None:
-        """Let the hypotheses change into each other, with probabilities [from, to], shape (2, 2)."""
-        joint = change * self.probabilities[:, None]
+        """Let the hypotheses change into each other, with probabilities [from, to]."""
+        self._mix(change * self.probabilities[:, None], self.x, self.p)
+
+    def mix_with(self, change: Array, source: int, state: int, mean: float, variance: float) -> None:
+        """Like `mix`, with one row more in `change`: of a hypothesis that begins with a state of its own."""
+        x, p = self.x[source].copy(), self.p[source].copy()
+        x[state], p[state], p[:, state] = mean, 0.0, 0.0
+        p[state, state] = variance
+        joint = change * np.append(self.probabilities, self.probabilities[source])[:, None]
+        self._mix(joint, np.concatenate([self.x, x[None]]), np.concatenate([self.p, p[None]]))
+
+    def _mix(self, joint: Array, x: Array, p: Array) -> None:
         self.probabilities = joint.sum(axis=0)
-        share = joint / np.maximum(self.probabilities, 1e-300)
-        apart = self.x[1] - self.x[0]
-        self.x = share.T @ self.x
-        mixed = share.T @ self.p.reshape(2, -1)
-        self.p = mixed.reshape(self.p.shape) + (share[0] * share[1])[:, None, None] * (apart[:, None] * apart)
+        share = (joint / np.maximum(self.probabilities, 1e-300)).T
+        self.x = share @ x
+        apart = x - self.x[:, None]
+        spread = (share[:, :, None] * apart).transpose(0, 2, 1) @ apart
+        self.p = (share @ p.reshape(x.shape[0], -1)).reshape(self.p.shape) + spread
 
     def forget(self, state: int, kept: float, towards: float, variance: float) -> None:
         """Let a state go to kept x + (1 - kept) towards; `variance` is what it has when nothing is left of it."""
@@ -100,8 +110,8 @@ class FilterBank:
         alone would speak for the narrower one.
 
         Args:
-            h: derivatives by the states, shape (2, measurements, states).
-            innovation: measured less expected, shape (2, measurements).
+            h: derivatives by the states, shape (hypotheses, measurements, states).
+            innovation: measured less expected, shape (hypotheses, measurements).
             variance: of the measurements, shape (measurements,).
             quiet: their variance where nothing happens, as a share of that.
         """
@@ -119,7 +129,13 @@ class FilterBank:
         self.weigh(-0.5 * (off + quiet * np.linalg.slogdet(spread)[1]))
 
     def correct_one(self, h: Array, innovation: Array, variance: float) -> None:
-        """Correct by one measurement and weigh the hypotheses by it; h: (2, states), innovation: (2,)."""
+        """Correct by one measurement and weigh the hypotheses by it.
+
+        Args:
+            h: derivatives by the states, shape (hypotheses, states).
+            innovation: measured less expected, shape (hypotheses,).
+            variance: of the measurement.
+        """
         ph = (self.p @ h[:, :, None])[:, :, 0]
         spread = (h * ph).sum(axis=1) + variance
         gain = ph / spread[:, None]
@@ -130,6 +146,6 @@ class FilterBank:
         self.weigh(-0.5 * (innovation**2 / spread + np.log(spread)))
 
     def weigh(self, log_likelihoods: Array) -> None:
-        """Weigh the hypotheses by what a measurement says of them, shape (2,)."""
+        """Weigh the hypotheses by what a measurement says of them."""
         weights = self.probabilities * np.exp(log_likelihoods - log_likelihoods.max())
         self.probabilities = np.maximum(weights / weights.sum(), 1e-12)

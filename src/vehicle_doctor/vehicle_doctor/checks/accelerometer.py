@@ -9,14 +9,14 @@ from math import hypot
 
 import numpy as np
 
+from sensor_monitor.signal_age import SignalAge
 from vehicle_doctor.comparison import Shift, ratio, shift, stretches
 from vehicle_doctor.drive import IMU, Array, Drive
 from vehicle_doctor.findings import Finding, Verdict, against_file
 from vehicle_doctor.motion import Motion, free_rims, spread_of_rest
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.vehicle import deviation_of, specified_stddev
-from wheel_slip.accelerometer import Accelerometer
+from vehicle_models.vehicle import absolute_deviation, deviation_of, specified_stddev
 
 FLAT, CIRCUIT, UNKNOWN = "flat", "out-and-back", "unknown"
 ROADS = (UNKNOWN, FLAT, CIRCUIT)
@@ -25,6 +25,12 @@ AGE_FLOOR = 3e-3
 """Deviation of an age [s] that hills and the transient of the pitch leave."""
 _COARSE_AGE = 0.2
 """Deviation of an age [s] that is compared at some ages only."""
+_LEAST_AGE = 0.01
+"""Least deviation of the age that is expected [s]."""
+_FORCELESS, _SLIP, _LARGEST_SLIP = 0.6, 0.02, 0.5
+"""Deceleration [m/s^2] at which free wheels slip by so much [-] on soft snow; at twice as much they may lock."""
+_CURVE = 0.005
+"""Share by which free wheels may differ from the speed: curves."""
 _STRAIGHT = 2.0
 """Lateral acceleration [m/s^2] from which the car's sideways motion is in the axis along it."""
 _VAGUE = 0.05
@@ -60,18 +66,24 @@ def check(drive: Drive, motion: Motion, road: str) -> tuple[list[Finding], Shift
 
 
 def _long_after_the_wheels(drive: Drive, motion: Motion) -> Finding | None:
-    """Return the finding of an accelerometer with which wheel_slip cannot do anything."""
-    watch = Accelerometer(drive.vehicle)
-    known = np.isfinite(motion.force) & motion.complete
-    for number in np.flatnonzero(known):
-        stamp = round((number + 1) * motion.step * NANOSECONDS)
-        watch.usable(stamp, float(motion.force[number]), motion.rims[number].tolist())
+    """Return the finding of an accelerometer that is of no use for the present motion."""
+    mounting, rims = drive.vehicle.accelerometer, free_rims(drive, motion)
+    watch = SignalAge(max(absolute_deviation(mounting.deviations, "delay"), _LEAST_AGE), accelerometer=True)
+    force = np.nan_to_num(motion.force)
+    travelled = np.cumsum(force) * motion.step
+    drift = motion.step * spread_of_rest(motion.force[np.isfinite(motion.force)]) ** 2
+    slips = np.minimum(_SLIP * (np.maximum(-force, 0.0) / _FORCELESS) ** 4, _LARGEST_SLIP)
+    for number in np.flatnonzero(np.isfinite(motion.force) & motion.complete & np.isfinite(rims)).tolist():
+        stamp, speed = round((number + 1) * motion.step * NANOSECONDS), float(rims[number])
+        watch.follow(stamp, speed)
+        late = stamp - round(mounting.delay * NANOSECONDS)
+        variance = (slips[number] ** 2 + _CURVE**2) * speed**2
+        watch.compare(late, float(travelled[number]), float(force[number]), float(variance), drift)
     if not watch.text:
         return None
-    late = watch.against_wheels.late
     text = f"{watch.text}: not usable for the present motion"
-    remedy = "look for a filter, or a queue, between the sensor and its messages; wheel_slip leaves it out"
-    return Finding("skew", IMU, Verdict.FAIL, text, 1e3 * late, 1e3 * _COARSE_AGE, "ms", remedy)
+    remedy = "look for a filter, or a queue, between the sensor and its messages; wheel_slip goes by the wheels"
+    return Finding("skew", IMU, Verdict.FAIL, text, 1e3 * watch.late, 1e3 * _COARSE_AGE, "ms", remedy)
 
 
 def against_wheels(drive: Drive, motion: Motion) -> Shift | None:

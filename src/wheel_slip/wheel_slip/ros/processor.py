@@ -88,8 +88,8 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         if not self._estimator.car.started:
             return Level.ERROR, "no vehicle speed"
         bad = [f"{wheel}: {estimate.text}" for wheel, estimate in self._last.items() if estimate.reason not in _QUIET]
-        if self._estimator.accelerometer.text:
-            bad.append(f"{IMU}: {self._estimator.accelerometer.text}; left out")
+        if self._estimator.accelerometer_text:
+            bad.append(f"{IMU}: {self._estimator.accelerometer_text}")
         if self._estimator.speed_sensor.text:
             bad.append(f"{VEHICLE_VELOCITY}: {self._estimator.speed_sensor.text}")
         if self._estimator.radius_text:
