@@ -20,7 +20,7 @@ class MotionNoise:
     slope_every: float = constant(400.0, "way from one change of slope to the next", unit="m")
     slope_known: float = constant(0.05, "deviation of a slope that is known again", unit="m/s^2")
     misread: float = constant(3.0, "change of a car's acceleration in the square root of a second", unit="m/s^2")
-    misread_every: float = constant(1e6, "time from one fault of the accelerometer to the next", unit="s")
+    misread_every: float = constant(1e5, "time from one fault of the accelerometer to the next", unit="s")
     misread_time: float = constant(60.0, "time for which it lasts at least", unit="s")
     lateral: float = constant(2.0, "lateral acceleration of ordinary driving", unit="m/s^2")
     curve_time: float = constant(1.0, "time in which a curve comes and goes", unit="s")
