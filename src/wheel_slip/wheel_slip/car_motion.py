@@ -119,6 +119,8 @@ class CarMotion:
         self._steps: deque[Means] = deque(maxlen=3)
         self._step.reset()
         self._carried = self._misread_way = 0.0
+        self._beyond_brakes = (nan, nan)
+        """What the accelerometer read beyond the brakes' deceleration in the last two steps [m/s^2]."""
         self._tell()
 
     def set_noise(self, variance: float) -> None:
@@ -311,9 +313,17 @@ class CarMotion:
         covariance[SLOPE_KEPT, B, B] += dt * p.offset_walk**2
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
         covariance[SLOPE_CHANGED, B, B] += dt * speed / p.slope_length * unknown
-        covariance[MISREAD, B, B] += dt * p.misread**2
+        self._misread_walk(dt)
         self._bank.forget(U, exp(-dt / p.curve_time), 0.0, (p.lateral / max(speed, SLOWEST_TURN)) ** 2)
         self._bank.forget(S, exp(-dt / p.slide_time), p.slide, p.slide_alike * p.slide_stddev**2)
+
+    def _misread_walk(self, dt: float) -> None:
+        """Let the offset of a wrong accelerometer follow what it reads beyond the brakes, as the torques tell them."""
+        p, (before, now) = self._noise, self._beyond_brakes
+        told = isfinite(before) and isfinite(now)
+        if told:
+            self._bank.x[MISREAD, B] += now - before
+        self._bank.p[MISREAD, B, B] += dt * (2.0 * p.engine**2 / p.engine_time if told else p.misread**2)
 
     def _correct_by_wheels(self, stamp: int, dt: float, torques: Sequence[float]) -> None:
         """Take the means of the wheels over the step before the last."""
@@ -339,6 +349,7 @@ class CarMotion:
         forces = self._forces.of(
             reading, mean_speed, rates, torques, self._tyres.unrest, float(self.mean[F]), unread, locked
         )
+        self._beyond_brakes = (self._beyond_brakes[1], (now.way - before.way) / span - forces.felt)
         if unread:
             felt = float(np.clip(np.median(rates), -HARDEST_BRAKING, HARDEST_BRAKING))
             share = dt / (p.correlation + dt)
