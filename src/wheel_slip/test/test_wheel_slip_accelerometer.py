@@ -1,4 +1,4 @@
-"""An accelerometer that is late, turned or stuck is named and left out; one that is right never is."""
+"""An accelerometer that is late, turned or stuck is named, and the wheels tell the speed; one that is right never is."""
 
 import numpy as np
 import pytest
@@ -55,6 +55,16 @@ def test_a_turned_one_and_one_that_reads_noise_are_named() -> None:
     noise = 0.1 * np.random.default_rng(9).normal(size=a.size)
     assert drive(noise - a, a)[0]
     assert drive(noise, a)[0]
+
+
+@pytest.mark.parametrize("factor, held", [(1.0, True), (-1.0, False), (0.0, False)])
+def test_one_that_fails_in_mid_drive_is_named_and_the_speed_stays_covered(factor: float, held: bool) -> None:
+    a = accelerations(60.0)
+    read, half = late(a, 0.0), a.size // 2
+    read[half:] = read[half] if held else factor * read[half:]
+    named, z = drive(read, a)
+    assert named
+    assert np.mean(np.abs(z[half:]) < 2.0) > 0.85
 
 
 @pytest.mark.parametrize("age", [0.0, 0.01])
