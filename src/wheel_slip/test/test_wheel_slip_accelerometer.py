@@ -1,4 +1,4 @@
-"""An accelerometer that is late, turned or stuck is named, and the wheels tell the speed; one that is right never is."""
+"""An accelerometer that is late, turned or stuck is named, and wheels give the speed; one that is right never is."""
 
 import numpy as np
 import pytest
