@@ -20,6 +20,7 @@ from corner_sim.car.tyres import TYRES
 from friction_curve_id.parameters import SHIPPED
 from friction_curve_id.ros.car_processor import CarProcessor
 from friction_parameters.parameter import changed
+from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import ProcessorGraph
 from vehicle_models.vehicle_file import load_vehicle
 
@@ -113,7 +114,7 @@ def make_curve_stop(job: tuple[str, int]) -> CurveStop:
         for topic, message in at.messages:
             for _, answer in graph.feed(topic, message):
                 if isinstance(answer, FrictionCurve):
-                    stamp = answer.header.stamp.sec * 1_000_000_000 + answer.header.stamp.nanosec
+                    stamp = to_nanoseconds(answer.header.stamp)
                     rows.setdefault(stamp, np.full((4, 5), np.nan))[wheels[answer.wheel]] = (
                         answer.lambda_max,
                         answer.lambda_max_stddev,

@@ -20,6 +20,8 @@ ACROSS: Final = 0.92
 """Friction of a tyre across over that along [-]: 0.85 to 1."""
 FORCE_STDDEV: Final = 0.06
 """Relative deviation of the lateral force of an axle over its friction [-]."""
+ROLLED: Final = 0.1
+"""Time constant of the load transfer to the side [s]."""
 SMOOTHED: Final = 0.05
 """Time constant of lateral acceleration, yaw acceleration and moment, in step with each other [s]."""
 GYRATION: Final = 0.95
@@ -37,6 +39,9 @@ class AxleForces:
         """Take the car."""
         self.known = len(vehicle.wheels) == 4
         """Whether the car has two axles of two wheels."""
+        places, others = [(wheel.axle, wheel.side) for wheel in vehicle.wheels], {"left": "right", "right": "left"}
+        self.partner = [places.index((axle, others[side])) for axle, side in places] if self.known else []
+        """Other wheel of the axle of each wheel, by index; empty where the car has not two axles of two wheels."""
         is_front = np.array([wheel.axle == FRONT for wheel in vehicle.wheels])
         sides = np.array([0.5 if wheel.side == "left" else -0.5 for wheel in vehicle.wheels])
         self.lever = sides * vehicle.track

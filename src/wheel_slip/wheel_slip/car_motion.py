@@ -291,7 +291,7 @@ class CarMotion:
         change[:, MISREAD] = fails
         # One that reads the motion of the car again has any offset, on any slope.
         healing = [[0.0, 0.0, 1.0 - heals], [0.0, heals, 0.0]]
-        self._bank.mix_with(np.concatenate([change, healing]), MISREAD, B, 0.0, self._offset**2)
+        self._bank.mix(np.concatenate([change, healing]), MISREAD, B, 0.0, self._offset**2)
 
     def _predict(self, dt: float) -> None:
         """Go on to the end of a step."""
@@ -335,9 +335,9 @@ class CarMotion:
         unread = self._step.reading is None
         rates = (now.rim_speeds - before.rim_speeds) / span
         rates[~np.isfinite(rates)] = 0.0
-        misread = self._misread
+        misread, read = self._misread, (now.way - before.way) / span
         self._misread_way += dt * misread
-        reading = (now.way - before.way) / span - misread
+        reading = read - misread
         mean_speed, offset = float(bank.x[0, V]), float(self.mean[B])
         speed = max(abs(mean_speed), SLOWEST)
         behind = self._relaxation / speed
@@ -349,7 +349,7 @@ class CarMotion:
         forces = self._forces.of(
             reading, mean_speed, rates, torques, self._tyres.unrest, float(self.mean[F]), unread, locked
         )
-        self._beyond_brakes = (self._beyond_brakes[1], (now.way - before.way) / span - forces.felt)
+        self._beyond_brakes = (self._beyond_brakes[1], read - forces.felt)
         if unread:
             felt = float(np.clip(np.median(rates), -HARDEST_BRAKING, HARDEST_BRAKING))
             share = dt / (p.correlation + dt)

@@ -37,25 +37,27 @@ class FilterBank:
         self.covariance: Array = (weight[:, None] * self.p).sum(axis=0) + (weight * apart).T @ apart
         """Of them, shape (states, states)."""
 
-    def mix(self, change: Array) -> None:
-        """Let the hypotheses change into each other, with probabilities [from, to]."""
-        self._mix(change * self.probabilities[:, None], self.x, self.p)
+    def mix(self, change: Array, source: int, state: int, mean: float, variance: float) -> None:
+        """Let the hypotheses change into each other.
 
-    def mix_with(self, change: Array, source: int, state: int, mean: float, variance: float) -> None:
-        """Like `mix`, with one row more in `change`: of a hypothesis that begins with a state of its own."""
-        x, p = self.x[source].copy(), self.p[source].copy()
-        x[state], p[state], p[:, state] = mean, 0.0, 0.0
-        p[state, state] = variance
+        Args:
+            change: probabilities [from, to]; the last row is of `source` once more, with a state of its own.
+            source: hypothesis.
+            state: the state that begins again.
+            mean: of that state.
+            variance: of that state.
+        """
+        begun, spread = self.x[source].copy(), self.p[source].copy()
+        begun[state], spread[state], spread[:, state] = mean, 0.0, 0.0
+        spread[state, state] = variance
+        x, p = np.concatenate([self.x, begun[None]]), np.concatenate([self.p, spread[None]])
         joint = change * np.append(self.probabilities, self.probabilities[source])[:, None]
-        self._mix(joint, np.concatenate([self.x, x[None]]), np.concatenate([self.p, p[None]]))
-
-    def _mix(self, joint: Array, x: Array, p: Array) -> None:
         self.probabilities = joint.sum(axis=0)
         share = (joint / np.maximum(self.probabilities, 1e-300)).T
         self.x = share @ x
         apart = x - self.x[:, None]
-        spread = (share[:, :, None] * apart).transpose(0, 2, 1) @ apart
-        self.p = (share @ p.reshape(x.shape[0], -1)).reshape(self.p.shape) + spread
+        between = (share[:, :, None] * apart).transpose(0, 2, 1) @ apart
+        self.p = (share @ p.reshape(x.shape[0], -1)).reshape(self.p.shape) + between
 
     def forget(self, state: int, kept: float, towards: float, variance: float) -> None:
         """Let a state go to kept x + (1 - kept) towards; `variance` is what it has when nothing is left of it."""

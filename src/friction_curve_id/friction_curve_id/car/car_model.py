@@ -53,12 +53,10 @@ class CarConstants:
         self.driven = np.array([float(wheel.driven) for wheel in wheels]).reshape(column)
         self.front = np.array([float(wheel.axle == FRONT) for wheel in wheels]).reshape(column)
         self.left = np.array([1.0 if wheel.side == "left" else -1.0 for wheel in wheels]).reshape(column)
-        places = [(wheel.axle, wheel.side) for wheel in wheels]
-        others = {"left": "right", "right": "left"}
-        self.partner = [places.index((axle, others[side])) for axle, side in places] if len(wheels) == 4 else []
+        self.axles = AxleForces(vehicle)
+        self.partner = self.axles.partner if len(present) == len(vehicle.wheels) else []
         """Other wheel of the axle of each wheel, by index; empty where not all four wheels are measured."""
         self.front_wheel, self.rear_wheel = int(np.argmax(self.front)), int(np.argmin(self.front))
-        self.axles = AxleForces(vehicle)
         self.behind = vehicle.wheelbase * vehicle.front_load_share
         self.half_track, self.wheelbase = 0.5 * vehicle.track, vehicle.wheelbase
         self.teeth = np.array([wheel.encoder_teeth for wheel in wheels], dtype=float).reshape(column)

@@ -10,11 +10,9 @@ from math import expm1
 from typing import Final
 
 from vehicle_models.constants import GRAVITY
-from vehicle_models.lateral_forces import Sideslip
+from vehicle_models.lateral_forces import ROLLED, Sideslip
 from vehicle_models.vehicle import Vehicle
 
-ROLLED: Final = 0.1
-"""Time constant of the load transfer to the side [s]."""
 _STIFFNESS: Final = 25.0
 """Lateral force over load and slip of a tyre far from its peak [-]: 15 to 40 on any road but cobblestone."""
 _STEADY: Final = 0.3

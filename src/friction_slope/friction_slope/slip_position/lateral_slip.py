@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from friction_runtime.filters import first_order_gain
 from friction_slope.slip_position.curve_shapes import LAMBDA, friction_ratio
-from vehicle_models.lateral_forces import ACROSS, FORCE_STDDEV
+from vehicle_models.lateral_forces import ACROSS, FORCE_STDDEV, AxleForces
 from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -35,11 +35,8 @@ class LateralSlip:
 
     def __init__(self, vehicle: Vehicle) -> None:
         """Begin straight ahead."""
-        names = [(wheel.axle, wheel.side) for wheel in vehicle.wheels]
-        others = {"left": "right", "right": "left"}
-        partners = [names.index((axle, others[side])) for axle, side in names] if len(names) == 4 else []
-        self._partner = np.array(partners, dtype=np.int64)
-        self._shape = (len(names), LAMBDA.size)
+        self._partner = np.array(AxleForces(vehicle).partner, dtype=np.int64)
+        self._shape = (len(vehicle.wheels), LAMBDA.size)
         self.reset()
 
     def reset(self) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from friction_runtime.filters import first_order_gain
 from vehicle_models.constants import GRAVITY
+from vehicle_models.lateral_forces import ROLLED
 from vehicle_models.vehicle import FRONT, Vehicle
 from vehicle_models.wheel_forces import PitchMode
 
@@ -20,8 +21,6 @@ PITCH_DAMPING: Final = 0.4
 """Damping ratio of the pitch of a body, tyres and seals included [-]."""
 DAMPED: Final = 0.03
 """Time constant with which dampers and stiff bushings pass load on [s]."""
-ROLLED: Final = 0.1
-"""Time constant of the lateral load transfer [s]."""
 LEAST_SHARE: Final = 0.15
 """Least load of a wheel over that at rest [-]."""
 

@@ -71,14 +71,14 @@ def _long_after_the_wheels(drive: Drive, motion: Motion) -> Finding | None:
     watch = SignalAge(max(absolute_deviation(mounting.deviations, "delay"), _LEAST_AGE), accelerometer=True)
     force = np.nan_to_num(motion.force)
     travelled = np.cumsum(force) * motion.step
+    delay = round(mounting.delay * NANOSECONDS)
     drift = motion.step * spread_of_rest(motion.force[np.isfinite(motion.force)]) ** 2
     slips = np.minimum(_SLIP * (np.maximum(-force, 0.0) / _FORCELESS) ** 4, _LARGEST_SLIP)
     for number in np.flatnonzero(np.isfinite(motion.force) & motion.complete & np.isfinite(rims)).tolist():
         stamp, speed = round((number + 1) * motion.step * NANOSECONDS), float(rims[number])
         watch.follow(stamp, speed)
-        late = stamp - round(mounting.delay * NANOSECONDS)
         variance = (slips[number] ** 2 + _CURVE**2) * speed**2
-        watch.compare(late, float(travelled[number]), float(force[number]), float(variance), drift)
+        watch.compare(stamp - delay, float(travelled[number]), float(force[number]), float(variance), drift)
     if not watch.text:
         return None
     text = f"{watch.text}: not usable for the present motion"
