@@ -9,21 +9,19 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
-from friction_msgs.msg import FrictionCurve, FrictionSlope
+from friction_msgs.msg import FrictionSlope
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
-from benchmarks.real_car.stops import ALARM, VEHICLE
+from benchmarks.real_car.stops import ALARM, VEHICLE, Array, follow
 from benchmarks.runner import Row, at_most, not_judged, run_lengths
 from benchmarks.slope.detection import METHODS, shipped_settings
 from corner_sim.car.cornering_car import CorneringCar
 from corner_sim.car.driving import OrdinaryDriver
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
-from friction_curve_id.parameters import SHIPPED
-from friction_curve_id.ros.processor import build
-from friction_parameters.parameter import changed
+from friction_runtime.lateral_inputs import MEASURED, LateralInput
 from friction_runtime.messages import header_at
-from friction_runtime.processor import Output, ProcessorGraph
+from friction_runtime.processor import Output
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
@@ -84,24 +82,22 @@ def record_drive(drive: Drive) -> Recording:
 
 def curves_of_drive(run: Recording, drive: Drive) -> DriveResult:
     """Estimate the curves of a drive and count what is claimed."""
-    vehicle = load_vehicle(VEHICLE)
-    parameters = changed(SHIPPED["friction_curve_id"].parameters, {"method": drive.method, "speed_source": "none"})
-    graph = ProcessorGraph(build(parameters, vehicle))
-    claims: dict[str, list[tuple[bool, bool]]] = {wheel: [] for wheel in vehicle.wheel_names}
-    for sample in sensor_messages(run, vehicle, drive):
-        for topic, message in sample:
-            for _, answer in graph.feed(topic, message):
-                if isinstance(answer, FrictionCurve):
-                    claims[answer.wheel].append((answer.validity.valid, answer.probability_beyond_peak > ALARM))
+    found = follow(drive.method, run, len(run.time), _across(run, drive))
     lasting = round(LASTING * run.parameters.sensors.sample_rate)
-    # the newest sample of a wheel may still wait for its inputs
-    valid, alarm = np.moveaxis(np.array([each[: min(map(len, claims.values()))] for each in claims.values()]), 2, 0)
     return DriveResult(
         hours=float(run.time[-1]) / 3600.0,
-        valid_peaks=len(run_lengths(valid.T)),
-        lasting_alarms=int(np.sum(run_lengths(alarm.T) > lasting)),
+        valid_peaks=len(run_lengths(found.valid == 1.0)),
+        lasting_alarms=int(np.sum(run_lengths(found.probability_beyond_peak > ALARM) > lasting)),
         largest_slip=float(np.abs(run.tyre_slip / run.lambda_max).max()),
     )
+
+
+def _across(run: Recording, drive: Drive) -> Array:
+    """Lateral accelerations and yaw rates as the node reads them, NaN where they are not measured, shape (N, 2)."""
+    vehicle = load_vehicle(VEHICLE)
+    lateral = LateralInput(vehicle.accelerometer)
+    read = np.array([lateral.read(dict(sample)["imu/data"]) for sample in sensor_messages(run, vehicle, drive)])
+    return np.where(read[:, 2:] == MEASURED, read[:, :2], np.nan)
 
 
 def drive_rows(results: Sequence[DriveResult]) -> list[Row]:

@@ -164,8 +164,9 @@ def timed(stop: Bound) -> Mapping[str, Times]:
     last = float(run.time[beyond.any(axis=1).argmax()]) + FOLLOWED
     estimators = {name: make(load_vehicle(VEHICLE)) for name, make in METHODS.items()}
     found: dict[str, list[float]] = {name: [] for name in METHODS}
+    straight = np.full(2, nan)
     for k in range(min(int(np.searchsorted(run.time, last)), len(run.time))):
-        sample = float(run.time[k]), run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k])
+        sample = float(run.time[k]), run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k]), straight
         for name, estimator in estimators.items():
             begin = time.thread_time_ns()
             estimator.update(*sample)

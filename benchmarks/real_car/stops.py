@@ -25,9 +25,17 @@ class CarMethod(Protocol):
     """Friction curves of all wheels of a car without a speed sensor."""
 
     def update(
-        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float
+        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float, across: Array
     ) -> Sequence[CurveEstimate | Refusal]:
-        """Take the next sample [s, rad/s, Pa, m/s^2]; return an answer for each wheel, in the order of the wheels."""
+        """Take the next sample; return an answer for each wheel, in the order of the wheels.
+
+        Args:
+            time: [s].
+            wheel_speed: [rad/s].
+            brake_pressure: [Pa].
+            acceleration: [m/s^2].
+            across: lateral acceleration [m/s^2] and yaw rate [rad/s], NaN where they are not measured.
+        """
 
 
 class WheelByWheel:
@@ -39,10 +47,10 @@ class WheelByWheel:
         self._estimators = [exact_wheel_estimator(EXACT_VEHICLE, vehicle.corner(name)) for name in vehicle.wheel_names]
 
     def update(
-        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float
+        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float, across: Array
     ) -> Sequence[CurveEstimate | Refusal]:
         """See CarMethod."""
-        del acceleration
+        del acceleration, across
         parts = zip(self._estimators, self._gains, wheel_speed, brake_pressure, strict=True)
         return [
             estimator.update(Sample(time, float(omega), None, gain * float(pressure)))
@@ -58,10 +66,11 @@ class WholeCar:
         self._estimator = CarEstimator(vehicle)
 
     def update(
-        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float
+        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float, across: Array
     ) -> Sequence[CurveEstimate | Refusal]:
         """See CarMethod."""
-        return self._estimator.update(CarSample(time, wheel_speed, brake_pressure, acceleration))
+        leftward, yaw_rate = across.tolist()
+        return self._estimator.update(CarSample(time, wheel_speed, brake_pressure, acceleration, leftward, yaw_rate))
 
 
 METHODS: dict[str, Callable[[Vehicle], CarMethod]] = {EXACT_VEHICLE: WheelByWheel, "car": WholeCar}
@@ -88,14 +97,18 @@ class Answers:
     restarted: Array
 
 
-def follow(method: str, run: Recording, samples: int) -> Answers:
-    """Feed the first `samples` samples of a recording to an estimator by name."""
+def follow(method: str, run: Recording, samples: int, across: Array | None = None) -> Answers:
+    """Feed the first `samples` samples of a recording to an estimator by name.
+
+    `across`: lateral accelerations and yaw rates as CarMethod takes them, shape (N, 2); None: they are not measured.
+    """
     estimator = METHODS[method](load_vehicle(VEHICLE))
     found = np.full((samples, 4, len(STATED)), np.nan)
     found[:, :, -3:] = 0.0
+    across = np.full((samples, 2), np.nan) if across is None else across
     for k in range(samples):
         answers = estimator.update(
-            float(run.time[k]), run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k])
+            float(run.time[k]), run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k]), across[k]
         )
         for wheel, answer in enumerate(answers):
             if not isinstance(answer, Refusal):
