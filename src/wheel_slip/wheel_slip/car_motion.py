@@ -1,4 +1,4 @@
-"""Estimates speed, yaw rate, slips and radii of a car, by a Kalman filter for each hypothesis on slope and sensor.
+"""Estimates speed, yaw rate, slips and radii of a car, by a Kalman filter for each hypothesis on slope and sensors.
 
 | state | | unit | model |
 |---|---|---|---|
@@ -37,17 +37,20 @@ from wheel_slip.filter_bank import FilterBank
 from wheel_slip.motion_noise import MotionNoise
 from wheel_slip.radius_odds import RadiusOdds
 from wheel_slip.step import Means, Step
-from wheel_slip.tyre_forces import LOCKED, SLOWEST, TELLING, TyreForces
+from wheel_slip.torque_odds import TorqueOdds
+from wheel_slip.tyre_forces import BLIND, LOCKED, SLOWEST, TELLING, TOLD, TyreForces
 from wheel_slip.tyre_slip import TyreSlip
 from wheel_slip.wheel_equation import SLOWEST_TURN, B, C, F, K, S, T, U, V, WheelEquation
 
 Array = NDArray[np.float64]
 
-SLOPE_KEPT, SLOPE_CHANGED, MISREAD = range(3)
+SLOPE_KEPT, SLOPE_CHANGED, MISREAD, MISTOLD = range(4)
 """The hypotheses: the road has the slope that was last seen, or has changed it since; or the accelerometer is late,
-turned or stuck, and its offset changes as the accelerations of cars do."""
-_PRIOR: Final = np.array([0.899, 0.1, 0.001])
+turned or stuck, and its offset changes as the accelerations of cars do; or the torques are not those of the brakes."""
+_PRIOR: Final = np.array([0.898, 0.1, 0.001, 0.001])
 """Their probabilities at the start."""
+_ROW: Final = np.array([TOLD, TOLD, TOLD, BLIND])
+"""By which forces each of them goes."""
 _JITTER: Final = 100_000
 """By which stamps may be off their grid [ns]."""
 _STANDS: Final = 1.0
@@ -83,6 +86,7 @@ class CarMotion:
         self.set_drift(0.0)
         self._step = Step(self._count)
         self._forces, self._tyres = TyreForces(vehicle, noise), TyreSlip(self._count, noise)
+        self._odds = TorqueOdds(noise)
         scale = specified_stddev(mounting.deviations, "scale")
         pitch = GRAVITY * deviation_of(mounting.deviations, "pitch_gain", 0.0)
         gain = noise.gain if scale is None else hypot(scale / mounting.scale, pitch)
@@ -115,7 +119,8 @@ class CarMotion:
         self.started = False
         """Whether there is a speed."""
         self._tyres.reset()
-        self._failed, self._untold = np.zeros((2, self._count))
+        self._odds.reset()
+        self._failed, self._untold = np.zeros(self._count), np.zeros((2, self._count))
         self._steps: deque[Means] = deque(maxlen=3)
         self._step.reset()
         self._carried = self._misread_way = 0.0
@@ -133,8 +138,13 @@ class CarMotion:
 
     @property
     def probabilities(self) -> Array:
-        """Of the hypotheses, shape (3,)."""
+        """Of the hypotheses, shape (4,)."""
         return self._bank.probabilities
+
+    @property
+    def knows_torques(self) -> bool:
+        """Whether the torques of all brakes are known."""
+        return self._odds.known
 
     @property
     def speed(self) -> float:
@@ -248,12 +258,12 @@ class CarMotion:
     def _take_step(self, stamp: int, dt: float) -> None:
         """Go to a stamp [ns] and correct by the wheels; `dt`: since the last step [s]."""
         self._steps.append(self._step.means)
+        torques, yaw_rate = self._step.torques, self._step.yaw_rate
         if not self.started:
             self._start()
         else:
-            self._mix(dt)
+            self._mix(dt, self._forces.told_by(torques))
             self._predict(dt)
-        torques, yaw_rate = self._step.torques, self._step.yaw_rate
         self._step.begin(stamp)
         if self.started:
             if len(self._steps) == 3:
@@ -281,17 +291,29 @@ class CarMotion:
         self.started = True
         self._tell()
 
-    def _mix(self, dt: float) -> None:
-        """Let the hypotheses change into each other."""
+    def _mix(self, dt: float, told: bool) -> None:
+        """Let the hypotheses change into each other; `told`: whether torques are known."""
         p, way = self._noise, dt * abs(self._speed)
         known = p.slope_known**2 / (p.slope_known**2 + float(self._bank.p[SLOPE_CHANGED, B, B]))
         out, back = min(way / p.slope_every, 0.5), min(way / p.slope_length * known, 0.5)
-        fails, heals = (dt / p.misread_every, dt / p.misread_time) if self._step.reading is not None else (0.0, 1.0)
-        change = (1.0 - fails) * np.array([[1.0 - out, out, 0.0], [back, 1.0 - back, 0.0]])
-        change[:, MISREAD] = fails
-        # One that reads the motion of the car again has any offset, on any slope.
-        healing = [[0.0, 0.0, 1.0 - heals], [0.0, heals, 0.0]]
-        self._bank.mix(np.concatenate([change, healing]), MISREAD, B, 0.0, self._offset**2)
+        fails, heals = dt / p.fault_every, dt / p.fault_time
+        misread, read = (fails, heals) if self._step.reading is not None else (0.0, 1.0)
+        # While no brake is on, no torque can be wrong: that hypothesis begins anew with the brakes.
+        wrong = self._odds.wrong
+        mistold, right = (0.0, 0.0) if told and self._odds.judges else (wrong, 1.0 - wrong)
+        misread *= 1.0 - mistold
+        sound = 1.0 - misread - mistold
+        change = np.array(
+            [
+                [sound * (1.0 - out), sound * out, misread, mistold],
+                [sound * back, sound * (1.0 - back), misread, mistold],
+                [0.0, 0.0, 1.0 - read, 0.0],
+                [right, 0.0, 0.0, 1.0 - right],
+                # An accelerometer that reads the motion of the car again has any offset, on any slope.
+                [0.0, read, 0.0, 0.0],
+            ]
+        )
+        self._bank.mix(change, MISREAD, B, 0.0, self._offset**2)
 
     def _predict(self, dt: float) -> None:
         """Go on to the end of a step."""
@@ -310,7 +332,7 @@ class CarMotion:
         # A body that drifts in a curve feels a share of the lateral acceleration along its axis.
         across = p.sideslip * float(self.mean[U]) * self._speed
         covariance[:, V, V] += noise + 2.0 * p.curve_time * dt * across**2 if seen else dt * p.unknown_acceleration**2
-        covariance[SLOPE_KEPT, B, B] += dt * p.offset_walk**2
+        covariance[[SLOPE_KEPT, MISTOLD], B, B] += dt * p.offset_walk**2
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
         covariance[SLOPE_CHANGED, B, B] += dt * speed / p.slope_length * unknown
         self._misread_walk(dt)
@@ -344,12 +366,13 @@ class CarMotion:
         unlike = reading - (0.0 if unread else offset - misread) - rates
         rest = np.maximum(np.abs(unlike) - 3.0 * sqrt(2.0 * self._rim_variance) / span, 0.0)
         locked = np.abs(then.rim_speeds) <= LOCKED
-        settles = p.pressure_delay if self._forces.told_by(torques) else p.correlation
+        settles = np.array([[p.pressure_delay if self._forces.told_by(torques) else p.correlation], [p.correlation]])
         self._tyres.disturb(dt, rest, behind + settles)
         forces = self._forces.of(
             reading, mean_speed, rates, torques, self._tyres.unrest, float(self.mean[F]), unread, locked
         )
         self._beyond_brakes = (self._beyond_brakes[1], read - forces.felt)
+        self._odds.update(dt, forces.pull, nan if unread else forces.braked)
         if unread:
             felt = float(np.clip(np.median(rates), -HARDEST_BRAKING, HARDEST_BRAKING))
             share = dt / (p.correlation + dt)
@@ -358,12 +381,13 @@ class CarMotion:
         once = self._rim_variance / then.samples * (1.0 + 2.0 * (behind / span) ** 2)
         compliance = np.maximum(self.mean[C : self._e], p.compliance)
         change = self._tyres.change(dt, mean_speed, forces, compliance, np.copysign(rest, unlike), locked)
-        bank.relax(slice(C, self._e), *change, S)
+        relaxed = (change.kept[_ROW], change.towards[_ROW], change.by[_ROW], change.variance[_ROW])
+        bank.relax(slice(C, self._e), *relaxed, S)
         # An error by the engine's force lasts, and is told once, until the slip that it acts on is another one.
         self._untold += dt / p.engine_time - self._untold * min(dt / p.correlation, 1.0)
         self._untold = np.where(change.kept == 0.0, 1.0, np.minimum(self._untold, 1.0))
         bank.add(slice(self._e, None), dt * p.radius_walk**2)
-        late = (((0.5 if forces.told else 1.0) * behind + p.pressure_delay) * self._tyres.unrest) ** 2
+        late = ((np.where(forces.told, 0.5, 1.0) * behind + p.pressure_delay) * self._tyres.unrest) ** 2
         # To second order: while neither slip over force nor the engine's force is known, their product is an error.
         unknown = np.diagonal(self.covariance)
         both = unknown[C : self._e] * unknown[F] * (forces.by_engine * speed) ** 2
@@ -375,7 +399,7 @@ class CarMotion:
             self._apply(
                 np.where(use, z, 0.0), use, forces.by_engine, once, lasting, max(p.correlation / dt, 1.0), age, way
             )
-            self._keep_signs(np.sqrt(late))
+            self._keep_signs(np.sqrt(late[_ROW]))
         elif np.isfinite(z).any():
             bank.correct_one(self._of_speed, -bank.x[:, V], self._standing_variance())
 
@@ -397,30 +421,31 @@ class CarMotion:
         age: float,
         way: float,
     ) -> None:
-        """Correct both filters by all wheels at once.
+        """Correct all filters by all wheels at once.
 
         Args:
             z: rim speeds [m/s], shape (wheels,).
             use: which of them count.
-            by_engine: change of the forces with f.
-            once: variance of what is drawn anew in each step [m^2/s^2].
-            lasting: variance of what lasts for `many` steps [m^2/s^2].
+            by_engine: change of the forces with f, shape (2, wheels).
+            once: variance of what is drawn anew in each step [m^2/s^2], shape (wheels,).
+            lasting: variance of what lasts for `many` steps [m^2/s^2], shape (2, wheels).
             many: see `lasting`.
             age: of z at the last step [s].
             way: integral of the readings since then [m/s].
         """
         bank = self._bank
         then, by_then = self._at(bank.x, age, way)
-        expected, h = self._equation.expected(then, by_then, bank.x, self._tyres.force, by_engine)
+        expected, h = self._equation.expected(then, by_then, bank.x, self._tyres.force[_ROW], by_engine[_ROW])
         h[:, ~use] = 0.0
         innovation = np.where(use, z - expected, 0.0)
-        sound = np.where(use, once + lasting * many, 1.0)
+        sound = np.where(use, once + lasting[_ROW] * many, 1.0)
         # One that has failed, or spins beyond any slip, is not explained by any state, and is not believed for a while.
         lasts = self._noise.failed / self._noise.step
-        every = bank.doubt(h, innovation, sound, self._failed, self._noise.surprise, lasts)
-        self._failed = (every - sound) * exp(-1.0 / lasts)
+        failed = bank.doubt(h, innovation, sound, self._failed, self._noise.surprise, lasts)
+        self._failed = failed * exp(-1.0 / lasts)
         before = bank.x
-        bank.correct(h, innovation, every, self._noise.quiet)
+        misfits = bank.correct(h, innovation, sound + failed, self._noise.quiet)
+        self._odds.contradict(float(misfits[MISTOLD]) - np.count_nonzero(use))
         self._keep_open(before)
 
     def _keep_open(self, before: Array) -> None:
@@ -435,17 +460,19 @@ class CarMotion:
     def _keep_signs(self, late: Array) -> None:
         """Move a slip that is against its force to zero, with what goes with it; what is known stays as it is."""
         x, covariance = self._bank.x, self._bank.p
-        reach = np.abs(x[:, V, None]) * np.abs(self._tyres.force)
-        against = (np.abs(self._tyres.force) > TELLING) & (x[:, C : self._e] * reach < -late)
+        force = np.abs(self._tyres.force[_ROW])
+        reach = np.abs(x[:, V, None]) * force
+        against = (force > TELLING) & (x[:, C : self._e] * reach < -late)
         if not against.any():
             return
         for m, i in np.argwhere(against):
-            least = -late[i] / max(reach[m, i], 1e-6)
+            least = -late[m, i] / max(reach[m, i], 1e-6)
             if x[m, C + i] < least:  # the move of a wheel before it has moved this one too
                 x[m] -= covariance[m, :, C + i] / covariance[m, C + i, C + i] * (x[m, C + i] - least)
 
     def _tell(self) -> None:
         """Take the hypotheses together, and keep what is told until the next step."""
+        self._bank.hold(MISTOLD, self._odds.wrong)
         self._bank.collapse()
         self.mean, self.covariance, self.another_tyre = self._radius_odds.tell(self._bank.mean, self._bank.covariance)
         """Mean and covariance of the states, shapes (6 + 2 wheels,) and twice that; and per wheel a probability."""

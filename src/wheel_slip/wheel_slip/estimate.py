@@ -23,6 +23,8 @@ class Hypotheses(NamedTuple):
     """The road has changed its slope since it was last known."""
     accelerometer_wrong: float
     """The accelerometer is late, turned or stuck."""
+    pressures_wrong: float
+    """The brake pressures are not those that brake the car."""
     speed_sensor_wrong: float
     """The speed sensor is late, stuck or off."""
 

@@ -13,7 +13,7 @@ from sensor_monitor.wheel_noise import WheelNoise
 from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.car_motion import MISREAD, SLOPE_CHANGED, CarMotion, WheelMotion
+from wheel_slip.car_motion import MISREAD, MISTOLD, SLOPE_CHANGED, CarMotion, WheelMotion
 from wheel_slip.estimate import Hypotheses, SpeedSample, WheelEstimate
 from wheel_slip.motion_noise import MotionNoise
 from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
@@ -125,8 +125,13 @@ class SlipEstimator:
     @property
     def hypotheses(self) -> Hypotheses:
         """Probabilities of what may be the matter with road and sensors."""
-        changed, misread = (float(self.car.probabilities[each]) for each in (SLOPE_CHANGED, MISREAD))
-        return Hypotheses(changed, misread if self._read else nan, self.speed_sensor.wrong(self._stamp))
+        changed, misread, mistold = self.car.probabilities[[SLOPE_CHANGED, MISREAD, MISTOLD]].tolist()
+        return Hypotheses(
+            changed,
+            misread if self._read else nan,
+            mistold if self.car.knows_torques else nan,
+            self.speed_sensor.wrong(self._stamp),
+        )
 
     @property
     def accelerometer_text(self) -> str:
@@ -134,6 +139,13 @@ class SlipEstimator:
         if not self.hypotheses.accelerometer_wrong > 0.5:
             return ""
         return "reads another motion than the wheels: late, turned or stuck?"
+
+    @property
+    def pressure_text(self) -> str:
+        """Names what is wrong with the brake pressures, empty where nothing is."""
+        if not self.hypotheses.pressures_wrong > 0.5:
+            return ""
+        return "the car brakes harder than they do: one reads too little, or a brake's gain is wrong"
 
     @property
     def radius_text(self) -> str:

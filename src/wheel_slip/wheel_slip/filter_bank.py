@@ -59,6 +59,12 @@ class FilterBank:
         between = (share[:, :, None] * apart).transpose(0, 2, 1) @ apart
         self.p = (share @ p.reshape(x.shape[0], -1)).reshape(self.p.shape) + between
 
+    def hold(self, hypothesis: int, probability: float) -> None:
+        """Give a hypothesis a probability that is known otherwise; the rest keep their odds."""
+        self.probabilities[hypothesis] = 0.0
+        self.probabilities *= (1.0 - probability) / max(float(self.probabilities.sum()), 1e-12)
+        self.probabilities[hypothesis] = probability
+
     def forget(self, state: int, kept: float, towards: float, variance: float) -> None:
         """Let a state go to kept x + (1 - kept) towards; `variance` is what it has when nothing is left of it."""
         self.x[:, state] += (1.0 - kept) * (towards - self.x[:, state])
@@ -67,11 +73,14 @@ class FilterBank:
         self.p[:, state, state] += (1.0 - kept**2) * variance
 
     def relax(self, states: slice, kept: Array, towards: Array, by: Array, variance: Array, common: int) -> None:
-        """Let states x go to kept x + (1 - kept)(towards + by x[common]) with a variance each; shapes (states,)."""
+        """Let states x go to kept x + (1 - kept)(towards + by x[common]) with a variance each.
+
+        Shapes (hypotheses, states).
+        """
         share = (1.0 - kept) * by
         self.x[:, states] = kept * self.x[:, states] + (1.0 - kept) * towards + share * self.x[:, common, None]
-        self.p[:, states] = kept[:, None] * self.p[:, states] + share[:, None] * self.p[:, None, common]
-        self.p[:, :, states] = kept * self.p[:, :, states] + share * self.p[:, :, common, None]
+        self.p[:, states] = kept[:, :, None] * self.p[:, states] + share[:, :, None] * self.p[:, None, common]
+        self.p[:, :, states] = kept[:, None] * self.p[:, :, states] + share[:, None] * self.p[:, :, common, None]
         self.add(states, variance)
 
     def add(self, states: slice, variance: Array | float) -> None:
@@ -80,18 +89,19 @@ class FilterBank:
         self.p[:, each, each] += variance
 
     def doubt(self, h: Array, innovation: Array, sound: Array, before: Array, most: float, lasts: float) -> Array:
-        """Return variances with which a measurement counts the less, the more it is off from what the others say.
+        """Return what to add to variances, so that a measurement counts the less, the more it is off from the others.
 
         Args:
             h: see `correct`.
             innovation: see `correct`.
-            sound: variance of each where nothing is wrong with it, shape (measurements,).
+            sound: variance of each where nothing is wrong with it, shape (hypotheses, measurements).
             before: what was to be added to that before, shape (measurements,).
             most: deviations beyond which something is.
             lasts: for how many measurements that is one error.
         """
         likely = int(self.probabilities.argmax())
         spread = h[likely] @ self.p[likely] @ h[likely].T
+        sound = sound[likely]
         variance = sound + before
         for _ in variance:
             inverse = np.linalg.inv(spread + np.diag(variance))
@@ -103,10 +113,12 @@ class FilterBank:
             if lacking[worst] <= 1e-9 * variance[worst]:
                 break
             variance[worst] += lacking[worst]
-        return variance
+        return variance - sound
 
-    def correct(self, h: Array, innovation: Array, variance: Array, quiet: float) -> None:
-        """Correct by several measurements, and weigh the hypotheses by them.
+    def correct(self, h: Array, innovation: Array, variance: Array, quiet: float) -> Array:
+        """Correct by several measurements, weigh the hypotheses by them, and return their misfits.
+
+        A misfit is the sum of squares of what was off over its deviation, shape (hypotheses,).
 
         Were the wider hypothesis charged in full for what it allows, where both state more noise than there is, quiet
         alone would speak for the narrower one.
@@ -114,11 +126,11 @@ class FilterBank:
         Args:
             h: derivatives by the states, shape (hypotheses, measurements, states).
             innovation: measured less expected, shape (hypotheses, measurements).
-            variance: of the measurements, shape (measurements,).
+            variance: of the measurements, shape (hypotheses, measurements).
             quiet: their variance where nothing happens, as a share of that.
         """
         ph = self.p @ h.transpose(0, 2, 1)
-        spread = h @ ph + np.diag(variance)
+        spread = h @ ph + variance[:, None] * np.eye(variance.shape[1])
         inverse = np.linalg.inv(spread)
         gain = ph @ inverse
         considered = self._considered
@@ -129,6 +141,7 @@ class FilterBank:
         self.p = 0.5 * (p + p.transpose(0, 2, 1))
         off = (innovation * (inverse @ innovation[:, :, None])[:, :, 0]).sum(axis=1)
         self.weigh(-0.5 * (off + quiet * np.linalg.slogdet(spread)[1]))
+        return off
 
     def correct_one(self, h: Array, innovation: Array, variance: float) -> None:
         """Correct by one measurement and weigh the hypotheses by it.

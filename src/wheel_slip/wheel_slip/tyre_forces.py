@@ -2,11 +2,12 @@
 
 A wheel that is braked by T and turns slower at omega' has the force (T + J omega') / r at the road. What the
 accelerometer feels beside the drag and these is the engine's, on the driven wheels. Without torques the brakes are
-taken to give all wheels the same force over load, and the engine only to drive.
+taken to give all wheels the same force over load, and the engine only to drive. Both are computed, as torques that are
+known may be wrong.
 """
 
 from collections.abc import Sequence
-from math import hypot, isfinite, nan, sqrt
+from math import hypot, isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -33,8 +34,12 @@ def free_wheels(vehicle: Vehicle) -> list[int]:
     return free or list(range(len(vehicle.wheels)))
 
 
+TOLD, BLIND = range(2)
+"""Rows of the forces: by the torques, where they are known; and without them."""
+
+
 class Forces(NamedTuple):
-    """Of all tyres, shapes (wheels,), over their loads and times g [m/s^2]."""
+    """Of all tyres, shapes (2, wheels), over their loads and times g [m/s^2]."""
 
     force: Array
     """Braking positive."""
@@ -44,10 +49,14 @@ class Forces(NamedTuple):
     """What of that is another one in the next step: where torques tell the force of one wheel, all of it."""
     by_engine: Array
     """Change of it with the engine's force over the mass of the car [-]."""
-    told: bool
-    """Whether the torques are known."""
+    told: NDArray[np.bool_]
+    """Whether the torques are known, shape (2, 1)."""
     felt: float
     """What an accelerometer would read by the torques [m/s^2]; NaN where none of them brakes."""
+    pull: float
+    """Braking of the car by all its tyres, as it was felt [m/s^2]."""
+    braked: float
+    """The same by the torques [m/s^2], NaN where they are unknown."""
 
 
 class TyreForces:
@@ -86,7 +95,7 @@ class TyreForces:
             speed: of the car [m/s].
             rim_rates: r omega' of each wheel [m/s^2].
             torques: of the brakes [N m], NaN where unknown; empty where no brake is known.
-            unrest: of each wheel, by how much it changes unlike the car [m/s^2].
+            unrest: of each wheel, by how much it changes unlike the car [m/s^2], shape (2, wheels).
             error: of the engine's force over the mass that is known [m/s^2].
             unread: whether the wheels themselves tell the reading: by as much as they slip, it is not the car's.
             locked: which wheels stand.
@@ -95,24 +104,27 @@ class TyreForces:
         load = np.maximum(self._load - self._transfer * (sign * reading), LEAST_SHARE * self._load)
         resistance = float(drag(self._vehicle, abs(speed))) / self._mass
         pull = -sign * reading - resistance
-        told, felt = self.told_by(torques), nan
+        told, felt, braked = self.told_by(torques), nan, nan
+        force = np.full(self._count, max(pull, 0.0) ** 3 / (pull**2 + p.blind_force**2))
+        off = p.blind_force + (p.unread * abs(pull) if unread else 0.0)
+        rows: list[tuple[Array, float, float, float, float]] = [(force, min(pull, 0.0), 0.0, off, p.unequal)] * 2
         if told:
             at_rim = (np.array(torques) + self._inertia * rim_rates * sign / self._radii) / self._radii
             # The road holds a locked wheel, not its brake.
             at_rim = np.where(locked, np.minimum(at_rim, load / GRAVITY * max(pull, 0.0)), at_rim)
             force, braked = at_rim / load * GRAVITY, float(at_rim.sum()) / self._mass
-            engine, least, uneven = pull - braked, p.force, 1.0
-            own = np.where(locked, np.abs(force), np.minimum(np.abs(force), unrest))
-            unsure = hypot(p.brakes * braked, float(np.linalg.norm(own * load)) / GRAVITY / self._mass)
+            own = np.where(locked, np.abs(force), np.minimum(np.abs(force), unrest[TOLD]))
+            off = hypot(p.brakes * braked, float(np.linalg.norm(own * load)) / GRAVITY / self._mass)
             if braked > TELLING:
                 felt = -sign * (braked + resistance)
-        else:
-            force = np.full(self._count, max(pull, 0.0) ** 3 / (pull**2 + p.blind_force**2))
-            engine, unsure, least, uneven = min(pull, 0.0), 0.0, p.blind_force, p.unequal
-            least += p.unread * abs(pull) if unread else 0.0
+            rows[TOLD] = (force, pull - braked, off, p.force, 1.0)
+        known = np.array([[told], [False]])
+        by_brakes, engine, unsure, least, uneven = [
+            np.array(each, dtype=np.float64).reshape(2, -1) for each in zip(*rows, strict=True)
+        ]
         share = p.engine**2 / (p.engine**2 + unsure**2)
         driven = self._driven * (self._mass * GRAVITY / max(float(self._driven @ load), 1.0))
-        by_engine = share * driven if told or engine < 0.0 else 0.0 * driven
-        force = force + by_engine * (engine + error)
-        doubt = np.hypot(least + uneven * np.minimum(np.abs(force), unrest), sqrt(share) * unsure * driven)
-        return Forces(force, doubt, doubt if told else np.full(self._count, p.acceleration), by_engine, told, felt)
+        by_engine = np.where(known | (engine < 0.0), share * driven, 0.0)
+        force = by_brakes + by_engine * (engine + error)
+        doubt = np.hypot(least + uneven * np.minimum(np.abs(force), unrest), np.sqrt(share) * unsure * driven)
+        return Forces(force, doubt, np.where(known, doubt, p.acceleration), by_engine, known, felt, pull, braked)

@@ -39,7 +39,7 @@ _ANY_ROAD: Final = 1.0
 
 
 class SlipChange(NamedTuple):
-    """Of slip over force c of all tyres in a step, shapes (wheels,): c goes to kept c + (1 - kept)(towards + by s)."""
+    """Of slip over force c of all tyres in a step, to kept c + (1 - kept)(towards + by s); shapes (2, wheels)."""
 
     kept: Array
     towards: Array
@@ -60,14 +60,17 @@ class TyreSlip:
 
     def reset(self) -> None:
         """Forget everything."""
-        self.force = np.zeros(self._count)
-        """Force of every tyre over its load, times g [m/s^2], braking positive, shape (wheels,)."""
-        self.unrest = np.zeros(self._count)
-        """By how much every wheel changes unlike the car, until tyre and pressure follow [m/s^2], shape (wheels,)."""
-        self._largest, self._doubt = np.full(self._count, _ANY_ROAD), np.zeros(self._count)
+        self.force = np.zeros((2, self._count))
+        """Force of every tyre over its load, times g [m/s^2], braking positive, shape (2, wheels)."""
+        self.unrest = np.zeros((2, self._count))
+        """By how much every wheel changes unlike the car, until tyre and pressure follow [m/s^2], shape (2, wheels)."""
+        self._largest, self._doubt = np.full((2, self._count), _ANY_ROAD), np.zeros((2, self._count))
 
     def disturb(self, dt: float, rest: Array, settles: Array) -> None:
-        """Take by how much wheels change unlike the car [m/s^2], and the time in which their forces settle [s]."""
+        """Take by how much wheels change unlike the car [m/s^2], and the time in which their forces settle [s].
+
+        Shapes (wheels,) and (2, wheels).
+        """
         share = dt / (settles + dt)
         self.unrest = np.maximum(rest, np.sqrt(self.unrest**2 + share * (rest**2 - self.unrest**2)))
 
@@ -89,7 +92,7 @@ class TyreSlip:
         self.force = self.force + change
         size = np.abs(self.force)
         weight = np.maximum(size, TELLING)
-        dive = np.maximum(self.unrest - p.steepest, 0.0) if forces.told else self.unrest
+        dive = np.where(forces.told, np.maximum(self.unrest - p.steepest, 0.0), self.unrest)
         bend = np.interp(compliance / p.compliance, _RATIO, _BEND)
         grown = (dive / (fast * weight)) ** 2 * (p.dive_time * dt)
         grown += ((bend / (1.0 + bend)) ** 2 * p.creep / (fast * weight)) ** 2 * dt
@@ -108,7 +111,8 @@ class TyreSlip:
         p, largest = self._noise, np.maximum(self._largest, 1e-6)
         share = size / largest
         unsure = np.minimum(np.hypot(p.share, self._doubt / largest), 1.0) * share + 1e-9
-        past = np.array([0.5 + 0.5 * erf(each / sqrt(2.0)) for each in ((share - _FULL) / unsure).tolist()])
+        past = np.array([0.5 + 0.5 * erf(each / sqrt(2.0)) for each in ((share - _FULL) / unsure).flat])
+        past = past.reshape(share.shape)
         below = p.compliance * np.interp(np.minimum(share, _FULL), _SHARE, _RATIO)
         beyond, spread = p.slide / weight, sqrt(1.0 - p.slide_alike) * p.slide_stddev / weight
         variance = (1.0 - past) * (p.compliance_unlike * below) ** 2 + past * spread**2

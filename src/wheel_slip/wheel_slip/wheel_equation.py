@@ -47,14 +47,14 @@ class WheelEquation:
         return found if isfinite(found) else 0.0
 
     def expected(self, speed: Array, by_states: Array, x: Array, force: Array, by_engine: Array) -> tuple[Array, Array]:
-        """Return rim speeds [m/s], shape (2, wheels), and their derivatives by the states, shape (2, wheels, states).
+        """Return rim speeds [m/s], and their derivatives by the states, shape (hypotheses, wheels, states).
 
         Args:
-            speed: of the car at their time, by either hypothesis [m/s], shape (2,).
-            by_states: derivatives of it by the states, shape (2, states).
-            x: states, shape (2, states).
-            force: of the tyres over their loads, times g [m/s^2], shape (wheels,).
-            by_engine: change of it with f [-], shape (wheels,).
+            speed: of the car at their time, by each hypothesis [m/s], shape (hypotheses,).
+            by_states: derivatives of it by the states, shape (hypotheses, states).
+            x: states, shape (hypotheses, states).
+            force: of the tyres over their loads, times g [m/s^2], shape (hypotheses, wheels).
+            by_engine: change of it with f [-], shape (hypotheses, wheels).
         """
         wheels, count = self._wheels, self._wheels.size
         compliance, of_radius = x[:, C : C + count], 1.0 - x[:, C + count :]

@@ -90,6 +90,8 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         bad = [f"{wheel}: {estimate.text}" for wheel, estimate in self._last.items() if estimate.reason not in _QUIET]
         if self._estimator.accelerometer_text:
             bad.append(f"{IMU}: {self._estimator.accelerometer_text}")
+        if self._estimator.pressure_text:
+            bad.append(f"brake pressures: {self._estimator.pressure_text}")
         if self._estimator.speed_sensor.text:
             bad.append(f"{VEHICLE_VELOCITY}: {self._estimator.speed_sensor.text}")
         if self._estimator.radius_text:
@@ -187,6 +189,7 @@ def _message(stamp: int, wheel: str, estimate: WheelEstimate, told: Hypotheses, 
     message.speed_measured = by_sensor and told.speed_sensor_wrong < 0.5
     message.slope_changed_probability = told.slope_changed
     message.accelerometer_wrong_probability = told.accelerometer_wrong
+    message.pressures_wrong_probability = told.pressures_wrong
     message.speed_sensor_wrong_probability = told.speed_sensor_wrong
     message.validity = validity(wheel, estimate.reason, estimate.text)
     return message
