@@ -124,6 +124,7 @@ class CarMotion:
         self._steps: deque[Means] = deque(maxlen=3)
         self._step.reset()
         self._carried = self._misread_way = 0.0
+        self._judged = False
         self._beyond_brakes = (nan, nan)
         """What the accelerometer read beyond the brakes' deceleration in the last two steps [m/s^2]."""
         self._tell()
@@ -298,9 +299,12 @@ class CarMotion:
         out, back = min(way / p.slope_every, 0.5), min(way / p.slope_length * known, 0.5)
         fails, heals = dt / p.fault_every, dt / p.fault_time
         misread, read = (fails, heals) if self._step.reading is not None else (0.0, 1.0)
-        # While no brake is on, no torque can be wrong: that hypothesis begins anew with the brakes.
-        wrong = self._odds.wrong
-        mistold, right = (0.0, 0.0) if told and self._odds.judges else (wrong, 1.0 - wrong)
+        # While no brake is on, no torque can be wrong: that hypothesis follows the others, and it ends with the brakes.
+        wrong, judges = self._odds.wrong, told and self._odds.judges
+        mistold, right, stays = (
+            (0.0, 0.0, 1.0) if judges else (wrong, self._judged * (1.0 - wrong), self._judged * wrong)
+        )
+        self._judged = judges
         misread *= 1.0 - mistold
         sound = 1.0 - misread - mistold
         change = np.array(
@@ -308,7 +312,7 @@ class CarMotion:
                 [sound * (1.0 - out), sound * out, misread, mistold],
                 [sound * back, sound * (1.0 - back), misread, mistold],
                 [0.0, 0.0, 1.0 - read, 0.0],
-                [right, 0.0, 0.0, 1.0 - right],
+                [right, 0.0, 0.0, stays],
                 # An accelerometer that reads the motion of the car again has any offset, on any slope.
                 [0.0, read, 0.0, 0.0],
             ]
