@@ -14,9 +14,16 @@ from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.car_motion import MISREAD, SLOPE_CHANGED, CarMotion, WheelMotion
-from wheel_slip.estimate import Hypotheses, SpeedSample, WheelEstimate
+from wheel_slip.estimate import (
+    Hypotheses,
+    SpeedSample,
+    WheelEstimate,
+    slip,
+    slip_rate,
+    slip_rate_variance,
+    slip_variance,
+)
 from wheel_slip.motion_noise import MotionNoise
-from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
 from wheel_slip.speed_sensor import SpeedSensor
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
