@@ -159,10 +159,8 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         message.header = header_at(stamp, "base_link")
         message.twist.twist.linear.x, message.twist.twist.angular.z = car.speed, float(car.mean[U])
         covariance = np.diag([_UNKNOWN] * 6)
-        covariance[0, 0], covariance[5, 5] = (
-            car.variance + self._estimator.speed_sensor.undecided,
-            float(car.covariance[U, U]),
-        )
+        covariance[0, 0] = car.variance + self._estimator.speed_sensor.undecided
+        covariance[5, 5] = float(car.covariance[U, U])
         message.twist.covariance = covariance.ravel()
         return message
 
