@@ -13,6 +13,7 @@ import numpy as np
 from corner_sim.car.car import STEP
 from corner_sim.car.car_parameters import PITCH_GAIN, CarParameters, SensorParameters
 from corner_sim.car.cornering_car import CorneringCar
+from corner_sim.car.cross_axes import CrossAxes
 from corner_sim.car.driving import Cycling, PressureProfile, SlipCycle
 from corner_sim.car.measured_car import MeasuredCar
 from corner_sim.car.random_car import random_car
@@ -126,9 +127,9 @@ def differing(tyre: Tyre, rng: np.random.Generator) -> Tyre:
 
 
 def sensor_messages(
-    measured: MeasuredCar, car: CorneringCar, vehicle: Vehicle, bias: float, offset: float, rng: np.random.Generator
+    measured: MeasuredCar, car: CorneringCar, vehicle: Vehicle, axes: CrossAxes
 ) -> tuple[int, list[tuple[str, Any]]]:
-    """Return stamp [ns] and messages of a sample; the IMU has three axes, with a bias [m/s^2] and an offset [rad/s]."""
+    """Return stamp [ns] and messages of a sample; the IMU has axes across the car, too."""
     reading = measured.measure()
     taken = Measurement(
         wheel_speed=np.array(reading.wheel_speed),
@@ -139,9 +140,8 @@ def sensor_messages(
     stamp = round((reading.time + 1.0) * NANOSECONDS)
     made = messages.sensors(stamp, vehicle, taken, CHAPTER_NOISE, _ACCELERATION_VARIANCE)
     imu = dict(made)["imu/data"]
-    rolled = 0.04 * car.roll.angle
-    imu.linear_acceleration.y = car.lateral_acceleration + rolled + bias + 0.05 * float(rng.normal())
-    imu.angular_velocity.z = car.yaw_rate + offset + 0.003 * float(rng.normal())
+    leftward = car.lateral_acceleration + 0.04 * car.roll.angle
+    imu.linear_acceleration.y, imu.angular_velocity.z = axes.read(leftward, car.yaw_rate)
     imu.angular_velocity_covariance[0] = 0.0
     return stamp, [each for each in made if each[0] != "vehicle_velocity"]
 
@@ -156,8 +156,7 @@ def drive(case: Case, parameters: CarParameters, cycling: Cycling, seed: int) ->
         per_pressure = sum(g / r for g, r in zip(parameters.brake_gain, parameters.radius, strict=True))
         held = case.held * GRAVITY * parameters.mass / per_pressure
         pedal = PressureProfile((cycling.start, cycling.start + cycling.ramp), (0.0, held))
-    rng = np.random.default_rng([seed, 21])
-    offset, bias = float(rng.normal(0.0, 0.01)), float(rng.normal(0.0, 0.1))
+    axes = CrossAxes(np.random.default_rng([seed, 21]))
     after = FAMILIES[case.family][case.after] if case.after else None
     peak_after = after.peak if after is not None else (np.nan, np.nan)
     braked_at: float | None = None
@@ -165,7 +164,7 @@ def drive(case: Case, parameters: CarParameters, cycling: Cycling, seed: int) ->
     for step in range(round((cycling.start + DURATION) / STEP)):
         time = measured.time
         if step % measured.steps_per_sample == 0:
-            stamp, made = sensor_messages(measured, car, vehicle, bias, offset, rng)
+            stamp, made = sensor_messages(measured, car, vehicle, axes)
             if not case.across:
                 imu = dict(made)["imu/data"]
                 imu.linear_acceleration.y, imu.angular_velocity.z = 0.0, 0.0

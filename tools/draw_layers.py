@@ -26,8 +26,8 @@ LAYERS = (
         "friction_grip",
         "friction_state",
     ),
-    ("sensor_monitor",),
     ("friction_runtime",),
+    ("sensor_monitor",),
     ("vehicle_models",),
     ("friction_parameters", "friction_msgs"),
 )

@@ -16,6 +16,7 @@ from benchmarks.real_car.stops import ALARM, VEHICLE, Array, follow
 from benchmarks.runner import Row, at_most, not_judged, run_lengths
 from benchmarks.slope.detection import METHODS, shipped_settings
 from corner_sim.car.cornering_car import CorneringCar
+from corner_sim.car.cross_axes import CrossAxes
 from corner_sim.car.driving import OrdinaryDriver
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
@@ -160,19 +161,18 @@ def signs_of_drive(run: Recording, drive: Drive) -> SlopeDrive:
 
 def sensor_messages(run: Recording, vehicle: Vehicle, drive: Drive) -> Iterator[list[Output]]:
     """Yield the messages of the sensors of each sample of the recording of a drive."""
-    rng = np.random.default_rng([drive.seed, 31])
-    bias, offset = float(rng.normal(0.0, 0.1)), float(rng.normal(0.0, 0.01))
-    noise = rng.normal(0.0, (0.05, 0.003), (len(run.time), 2))
+    axes = CrossAxes(np.random.default_rng([drive.seed, 31]))
     for k, time in enumerate(run.time.tolist()):
         at = header_at(round((time + 1.0) * NANOSECONDS), "base_link")
         imu = Imu(header=at)
         imu.linear_acceleration.x = float(run.acceleration[k])
+        leftward, yaw_rate = axes.read(float(run.yaw_rate[k] * run.speed[k]), float(run.yaw_rate[k]))
         if drive.across is Across.NOT_MEASURED:
             imu.angular_velocity_covariance[0] = -1.0
         else:
-            imu.linear_acceleration.y = float(run.yaw_rate[k] * run.speed[k] + bias + noise[k, 0])
+            imu.linear_acceleration.y = leftward
         if drive.across is Across.MEASURED:
-            imu.angular_velocity.z = float(run.yaw_rate[k] + offset + noise[k, 1])
+            imu.angular_velocity.z = yaw_rate
         pressures = [
             (f"{wheel}/brake_pressure", FluidPressure(header=at, fluid_pressure=float(pressure)))
             for wheel, pressure in zip(vehicle.wheel_names, run.brake_pressure[k], strict=True)

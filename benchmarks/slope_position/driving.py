@@ -9,6 +9,7 @@ from benchmarks.runner import Row, at_most, not_judged, run_lengths
 from benchmarks.slope_position.stops import Told, graph_of, take
 from corner_sim.car.car import STEP
 from corner_sim.car.cornering_car import CorneringCar
+from corner_sim.car.cross_axes import CrossAxes
 from corner_sim.car.driving import OrdinaryDriver
 from corner_sim.car.measured_car import MeasuredCar
 from corner_sim.car.random_car import random_car
@@ -33,14 +34,13 @@ def make_drive(job: tuple[str, int]) -> tuple[int, float, float, float]:
     vehicle = load_vehicle(VEHICLE)
     moving = CorneringCar(car, START, seed)
     measured, driver = MeasuredCar(car, START, seed, moving), OrdinaryDriver(car, seed)
-    rng = np.random.default_rng([seed, 21])
-    bias, offset = float(rng.normal(0.0, 0.1)), float(rng.normal(0.0, 0.01))
+    axes = CrossAxes(np.random.default_rng([seed, 21]))
     graph = graph_of(vehicle, method)
     told: Told = {}
     braked = 0.0
     for step in range(round(DRIVE / STEP)):
         if step % measured.steps_per_sample == 0:
-            _, sample = sensor_messages(measured, moving, vehicle, bias, offset, rng)
+            _, sample = sensor_messages(measured, moving, vehicle, axes)
             take(graph, sample, told)
         around = driver.surroundings(measured.time, moving)
         pressure = driver.pressure(measured.time, STEP, moving)

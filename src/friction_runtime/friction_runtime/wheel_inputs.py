@@ -1,6 +1,5 @@
 """Inputs of the wheels from messages: speeds by the names of joints, brake torque T_b = k p (1.1) from pressure."""
 
-from collections import deque
 from collections.abc import Sequence
 from math import nan
 from sys import maxsize
@@ -10,9 +9,9 @@ from sensor_msgs.msg import FluidPressure, JointState
 
 from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import Report
+from sensor_monitor.pressure_unit import PressureUnit
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_PRESSURE, HIGHEST_TORQUE, HIGHEST_WHEEL_SPEED
-from vehicle_models.signal_units import PressureUnit
 from vehicle_models.vehicle import Vehicle
 
 WHEEL_STATES: Final = "wheel_states"
@@ -82,50 +81,6 @@ class WheelSpeeds:
         return tuple(speed if abs(speed) <= HIGHEST_WHEEL_SPEED else nan for speed in speeds)
 
 
-_KEPT: Final = 100
-"""Refused pressures that wait for their sample: 0.5 s at 200 Hz."""
-
-
-class PressureWatch:
-    """Follows one wheel: `refuse` what is no brake pressure as it comes, `judge` at each sample."""
-
-    def __init__(self, vehicle: Vehicle, wheel: str) -> None:
-        """Choose a wheel of the car."""
-        self._topic = f"{wheel}/brake_pressure"
-        self._unit = PressureUnit(vehicle, wheel)
-        self._refused: deque[tuple[int, float]] = deque(maxlen=_KEPT)
-
-    @property
-    def done(self) -> bool:
-        """Whether the unit is known, so that nothing will be suspected any more."""
-        return self._unit.known
-
-    def reset(self) -> None:
-        """Know nothing of the unit."""
-        self._unit.reset()
-        self._refused.clear()
-
-    def refuse(self, stamp: int, pressure: float) -> None:
-        """Take a pressure [Pa] with stamp [ns] that no brake has."""
-        self._refused.append((stamp, pressure))
-
-    def judge(self, stamp: int, wheel_speed: float, pressure: float) -> str:
-        """Return what is suspected of the pressure, with its topic, empty where nothing is.
-
-        Args:
-            stamp: stamp of the sample [ns].
-            wheel_speed: speed of the wheel [rad/s]; not finite where it is missing.
-            pressure: pressure at the stamp [Pa], NaN where it is missing.
-        """
-        if self.done:
-            return ""
-        refused = nan
-        while self._refused and self._refused[0][0] <= stamp:
-            _, refused = self._refused.popleft()
-        self._unit.update(stamp, wheel_speed, pressure if refused != refused else refused)
-        return f"{self._topic}: {self._unit.text}" if self._unit.text else ""
-
-
 class BrakeTorque:
     """Reads the pressure of one wheel."""
 
@@ -134,14 +89,14 @@ class BrakeTorque:
         self.topic = f"{wheel}/brake_pressure"
         self._gain = vehicle.wheel(wheel).brake_gain
         self._delay = round(vehicle.brake_pressure_delay * NANOSECONDS)
-        self._watch = PressureWatch(vehicle, wheel)
+        self._unit = PressureUnit(vehicle, wheel)
 
     def read(self, message: FluidPressure) -> tuple[int, float] | str:
         """Return the time at which the pressure acted [ns] and its torque [N m], or why the message is refused."""
         acted = to_nanoseconds(message.header.stamp) - self._delay
         torque = self.torque(self.topic, message.fluid_pressure)
         if isinstance(torque, str):
-            self._watch.refuse(acted, message.fluid_pressure)
+            self._unit.refuse(acted, message.fluid_pressure)
             return torque
         return acted, torque
 
@@ -160,8 +115,9 @@ class BrakeTorque:
             wheel_speed: speed of the wheel [rad/s]; not finite where it is missing.
             torque: torque at the stamp [N m], NaN where it is missing.
         """
-        return self._watch.judge(stamp, wheel_speed, torque / self._gain)
+        self._unit.update(stamp, wheel_speed, torque / self._gain)
+        return f"{self.topic}: {self._unit.text}" if self._unit.text else ""
 
     def reset(self) -> None:
         """Know nothing of the unit."""
-        self._watch.reset()
+        self._unit.reset()

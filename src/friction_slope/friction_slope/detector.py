@@ -9,12 +9,10 @@ from math import isfinite, isnan, nan
 from typing import Final
 
 from friction_parameters.parameter import max_gap_parameter, minimum_speed_parameter, parameter
-from friction_slope.crossing import CrossingDetector
-from friction_slope.doubt import Doubt
+from friction_slope.crossing import CrossingDetector, ToldSlips
 from friction_slope.estimate import Method, SlopeEstimate, SlopeSample
-from friction_slope.indicator import eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
+from friction_slope.indicator import Doubt, eta_sign, normalised_deceleration, slip_rate_sign, slope_indicator
 from friction_slope.signals import SignalWindow
-from friction_slope.told_slips import ToldSlips
 from friction_slope.tyre_relaxation import TyreRelaxation
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS

@@ -5,10 +5,10 @@ from math import inf, nan
 import numpy as np
 import pytest
 
+from friction_slope.crossing import MEMORY, NEARER, ToldSlips
 from friction_slope.detector import LOCKED_TYRE_SLIP, DetectorParameters, SlopeDetector
-from friction_slope.doubt import Doubt, doubt_of
 from friction_slope.estimate import Method, SlopeEstimate, SlopeSample
-from friction_slope.told_slips import MEMORY, NEARER, ToldSlips
+from friction_slope.indicator import Doubt, doubt_of
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle_file import load_vehicle
 

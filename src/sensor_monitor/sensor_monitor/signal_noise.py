@@ -1,13 +1,21 @@
-"""White noise of one signal, by its third differences, which a parabola does not enter.
+"""White noise of a signal, by its third differences, which a parabola does not enter.
 
-For white noise of variance R the mean of their square is 20 R.
+For white noise of variance R the mean of their square is 20 R. SignalNoise follows a signal, white_noise takes samples
+that are there.
 """
 
 from collections import deque
+from math import sqrt
 from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from vehicle_models.nanoseconds import NANOSECONDS
 
+_SQUARE: Final = 20.0
+_MEDIAN: Final = 0.6745
+"""Median of the size of what is normally distributed, over its standard deviation."""
 _MEMORY: Final = 100.0
 """Samples over which the noise is averaged."""
 _OUTLIER: Final = 16.0
@@ -47,6 +55,17 @@ class SignalNoise:
         longest, shortest = max(tb - ta, tc - tb, td - tc), min(tb - ta, tc - tb, td - tc)
         if longest - shortest > _UNEVEN * longest:
             return
-        squared = (d - 3.0 * c + 3.0 * b - a) ** 2 / 20.0
+        squared = (d - 3.0 * c + 3.0 * b - a) ** 2 / _SQUARE
         self.variance += (min(squared, _OUTLIER * self.variance) - self.variance) / _MEMORY
         self.variance = max(self.variance, self._least)
+
+
+def white_noise(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the standard deviation of the noise of signals, shape (W,), in their unit.
+
+    By the median: what is not noise in less than half of the samples does not count.
+
+    Args:
+        samples: at even times, shape (W, n), n >= 4.
+    """
+    return np.asarray(np.median(np.abs(np.diff(samples, 3)), axis=1) / (_MEDIAN * sqrt(_SQUARE)))

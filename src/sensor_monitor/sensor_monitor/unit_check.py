@@ -9,8 +9,8 @@ from math import isfinite, pi
 from statistics import median
 from typing import Final
 
+from sensor_monitor.acceleration_unit import GENTLE, AccelerationUnit
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.signal_units import GENTLE, AccelerationUnit
 
 _ALIKE: Final = 0.03
 """Share by which the speeds of wheels that roll may differ: radii, curves; as `slide.spread`."""

@@ -11,15 +11,14 @@ from collections.abc import Sequence
 from math import isfinite
 from typing import Final
 
-from friction_runtime.filters import first_order_gain
 from sensor_monitor.signal_noise import MORE
 from vehicle_models.nanoseconds import NANOSECONDS
 
 _STEP: Final = NANOSECONDS // 20
 """L [ns]: longer than a count of a coarse counter lasts at the speed of a car that drives."""
 _GAP: Final = 3 * _STEP
-_MEMORY: Final = 2.0
-"""Time [s] of the mean."""
+_MEMORY: Final = 40
+"""Differences of the mean: 2 s."""
 _FIRST: Final = 10
 """Differences from which on there is one."""
 
@@ -65,8 +64,7 @@ class WheelNoise:
         squares = [(a - 2.0 * b + c) ** 2 for a, b, c in zip(kept[0][1], kept[1][1], kept[2][1], strict=True)]
         found = sum(squares) / (6.0 * (count - 1.0))
         self._count += 1
-        seconds = (kept[2][0] - kept[1][0]) / NANOSECONDS
-        self._seen += max(first_order_gain(seconds, _MEMORY), 1.0 / (self._count + 1.0)) * (found - self._seen)
+        self._seen += (found - self._seen) / min(self._count + 1, _MEMORY)
         if self._count >= _FIRST:
             # Not below: a wheel filter of too much noise lags.
             self.variance = self._seen if self._seen > MORE * self._stated else self._stated

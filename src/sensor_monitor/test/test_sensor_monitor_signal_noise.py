@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sensor_monitor.signal_noise import SignalNoise
+from sensor_monitor.signal_noise import SignalNoise, white_noise
 
 STEP = 5_000_000
 
@@ -29,3 +29,11 @@ def test_none_is_below_the_least() -> None:
     for k in range(1000):
         noise.update(k * STEP, 1.0)
     assert noise.variance == pytest.approx(1e-4)
+
+
+@pytest.mark.parametrize("stddev", [0.02, 0.5])
+def test_noise_of_samples_is_found_beside_a_jump(stddev: float) -> None:
+    rng, time = np.random.default_rng(2), 0.005 * np.arange(80)
+    signals = 5.0 * np.sin(3.0 * time) + stddev * rng.normal(size=(4, 80))
+    signals[0, 60:] += 10.0
+    assert white_noise(signals) == pytest.approx(np.full(4, stddev), rel=0.4)

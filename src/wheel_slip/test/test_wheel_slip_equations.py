@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
+from wheel_slip.estimate import slip, slip_rate, slip_rate_variance, slip_variance
 
 
 def test_slip_is_zero_rolling_one_locked_and_negative_in_traction() -> None:

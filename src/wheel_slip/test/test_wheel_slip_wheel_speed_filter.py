@@ -1,4 +1,4 @@
-"""Kalman filter of a wheel speed: closed forms, statistics, irregular times; the queue of delayed samples."""
+"""Kalman filter of a wheel speed: closed forms, statistics, irregular times."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import record
-from wheel_slip.speed_queue import SpeedQueue
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
 MS = 1_000_000
@@ -117,39 +116,6 @@ def test_burst_of_near_equal_stamps_averages_and_a_gap_starts_again() -> None:
     assert not wheel.settled
     assert wheel.restarted_by_gap
     assert wheel.speed == 40.0
-
-
-@given(st.lists(st.tuples(st.booleans(), st.integers(0, 3)), min_size=1, max_size=80))
-def test_queue_gives_the_same_samples_to_the_same_outputs_however_the_streams_interleave(
-    steps: list[tuple[bool, int]],
-) -> None:
-    """Two streams at 5 ms, either ahead of the other by at most 3 samples, with a hold of 20 ms."""
-
-    def run(lead: list[int]) -> dict[int, list[int]]:
-        queue: SpeedQueue[int] = SpeedQueue(0.02)
-        offered, given_to = 0, {}
-        for k, ahead in enumerate(lead, start=5):
-            while offered < k + ahead:
-                offered += 1
-                assert queue.offer(offered * 5 * MS, offered) is None
-            given_to[k] = [payload for _, payload in queue.due(k * 5 * MS, False)]
-        return given_to
-
-    in_step = run([0] * len(steps))
-    apart = run([offset - 3 if late else offset for late, offset in steps])
-    assert in_step == apart
-
-
-def test_queue_refuses_repeats_and_zero_and_starts_again_after_a_jump_back() -> None:
-    queue: SpeedQueue[str] = SpeedQueue(0.02)
-    assert queue.offer(0, "zero") == "stamp is zero"
-    assert queue.offer(1000 * MS, "old") is None
-    assert queue.offer(1000 * MS, "again") == "stamp repeats"
-    assert queue.offer(951 * MS, "late") == "late sample"
-    assert queue.late == 1
-    assert list(queue.due(1010 * MS, False)) == []
-    assert queue.offer(100 * MS, "new") is None
-    assert list(queue.due(130 * MS, True)) == [(100 * MS, "new")]
 
 
 def edge_speeds(teeth: int, rate: int, missing: int = 0) -> tuple[np.ndarray, np.ndarray]:

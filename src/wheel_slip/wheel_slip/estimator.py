@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, nan, sqrt
-from typing import NamedTuple
 
 from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
 from sensor_monitor.frozen_wheel import FrozenWheels
@@ -14,9 +13,16 @@ from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.car_motion import MISREAD, MISTOLD, SLOPE_CHANGED, CarMotion, WheelMotion
-from wheel_slip.estimate import Hypotheses, SpeedSample, WheelEstimate
+from wheel_slip.estimate import (
+    Hypotheses,
+    SpeedSample,
+    WheelEstimate,
+    slip,
+    slip_rate,
+    slip_rate_variance,
+    slip_variance,
+)
 from wheel_slip.motion_noise import MotionNoise
-from wheel_slip.slip import slip, slip_rate, slip_rate_variance, slip_variance
 from wheel_slip.speed_sensor import SpeedSensor
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 
@@ -90,13 +96,13 @@ class SlipEstimator:
             One estimate per wheel.
         """
         self._stamp = stamp
-        rims: list[float] = []
-        for wheel, measured, radius in zip(self._wheels, wheel_speeds, self._radii, strict=True):
-            if isfinite(measured):
+        seen = [isfinite(measured) for measured in wheel_speeds]
+        for wheel, measured, known in zip(self._wheels, wheel_speeds, seen, strict=True):
+            if known:
                 wheel.update(stamp, measured)
-            rims.append(measured * radius if isfinite(measured) and not wheel.in_gap else nan)
+        wheels = list(zip(self._wheels, wheel_speeds, self._radii, seen, strict=True))
+        rims = [omega * radius if known and not wheel.in_gap else nan for wheel, omega, radius, known in wheels]
         frozen = self._frozen.update(stamp, rims)
-        rims = [nan if dead else rim for rim, dead in zip(rims, frozen, strict=True)]
         reading = acceleration if acceleration is not None and isfinite(acceleration) else None
         if reading is not None:
             self._read = True
@@ -104,22 +110,19 @@ class SlipEstimator:
             noisy = self._accelerometer_noise.variance > MORE * self._ordinary
             self.car.set_drift(self._accelerometer_noise.drift if noisy else 0.0)
         self._watch_noise(stamp, wheel_speeds)
-        self.car.update(
-            stamp, rims, reading, torques, yaw_rate if yaw_rate is not None and isfinite(yaw_rate) else None
-        )
+        rolling = [nan if dead else rim for rim, dead in zip(rims, frozen, strict=True)]
+        turned = yaw_rate if yaw_rate is not None and isfinite(yaw_rate) else None
+        self.car.update(stamp, rolling, reading, torques, turned)
         self.speed_sensor.follow(stamp, self.car)
         for sample in measured_speeds:
             self.speed_sensor.update(sample, self.car)
-        smooth = [
-            wheel.speed * radius if isfinite(measured) else nan
-            for wheel, measured, radius in zip(self._wheels, wheel_speeds, self._radii, strict=True)
-        ]
-        rates = [wheel.acceleration * radius for wheel, radius in zip(self._wheels, self._radii, strict=True)]
+        smooth = [wheel.speed * radius if known else nan for wheel, _, radius, known in wheels]
+        rates = [wheel.acceleration * radius for wheel, _, radius, _ in wheels]
         self._units.update(stamp, smooth, rates, reading, measured_speeds[-1].speed if measured_speeds else None)
-        known = self._car_known()
+        of_car = self._known()
         return [
-            self._estimate(wheel, measured, self.car.wheel(index), _FROZEN if frozen[index] else known)
-            for index, (wheel, measured) in enumerate(zip(self._wheels, wheel_speeds, strict=True))
+            self._estimate(wheel, known, self.car.wheel(index), _FROZEN if frozen[index] else of_car)
+            for index, (wheel, _, _, known) in enumerate(wheels)
         ]
 
     @property
@@ -167,65 +170,52 @@ class SlipEstimator:
                 wheel.know_noise(self._noise.variance)
             self.car.set_noise(self._noise.variance)
 
-    def _car_known(self) -> "_Known":
-        """Return whether the motion of the car gives a slip, with the reason where it gives none."""
+    def _known(self) -> tuple[Reason, str]:
+        """Return whether the motion of the car gives a slip: the reason where it gives none, and that in words."""
         car = self.car
         if self._units.text:
-            return _Known(Reason.BAD_INPUT, self._units.text)
+            return Reason.BAD_INPUT, self._units.text
         if not car.started:
-            return _Known(Reason.NO_SPEED, "waiting for wheel speeds or a speed sensor")
+            return Reason.NO_SPEED, "waiting for wheel speeds or a speed sensor"
         stddev = sqrt(car.variance + self.speed_sensor.undecided)
         if is_vague(car.speed, stddev):
-            return _Known(Reason.UNCERTAIN, f"waiting for a rolling wheel: speed deviation {stddev:.1f} m/s")
+            return Reason.UNCERTAIN, f"waiting for a rolling wheel: speed deviation {stddev:.1f} m/s"
         if car.speed < self._p.minimum_speed:
-            return _Known(Reason.LOW_SPEED, f"waiting for a speed above {self._p.minimum_speed} m/s")
-        return _Known(Reason.OK, "")
+            return Reason.LOW_SPEED, f"waiting for a speed above {self._p.minimum_speed} m/s"
+        return Reason.OK, ""
 
     def _estimate(
-        self, wheel: WheelSpeedFilter, measured: float, motion: WheelMotion, known: "_Known"
+        self, wheel: WheelSpeedFilter, measured: bool, motion: WheelMotion, known: tuple[Reason, str]
     ) -> WheelEstimate:
-        car, (reason, text) = self.car, known
+        car, (reason, text), radius = self.car, known, motion.radius
         omega = (
             wheel.speed + wheel.age * wheel.acceleration,
             wheel.speed_variance + wheel.lag_variance + wheel.age_variance,
         )
         unknown = not car.started or bool(self._units.text)
         speed = (nan, nan) if unknown else (motion.ground, motion.ground_variance + self.speed_sensor.undecided)
-        found = variance = rate = rate_variance = nan
-        if not isfinite(measured):
+        if not measured:
             reason, text = Reason.BAD_INPUT, "wheel speed is missing or not finite"
         elif not wheel.settled and wheel.restarted_by_gap:
             reason, text = Reason.GAP, "wheel speed had a gap: waiting for new samples"
         elif not wheel.settled:
             reason, text = Reason.NOT_READY, "waiting for the first samples"
         elif reason is Reason.OK:
-            found = slip(speed[0], omega[0], motion.radius)
-            variance = slip_variance(speed, omega, (motion.radius, motion.radius_variance), motion.covariance)
+            found = slip(speed[0], omega[0], radius)
+            variance = slip_variance(speed, omega, (radius, motion.radius_variance), motion.covariance)
             if variance > self._p.max_slip_stddev**2:
-                reason, text = (
-                    Reason.UNCERTAIN,
-                    f"waiting for more speed: slip deviation {sqrt(variance):.3f}",
-                )
+                reason, text = Reason.UNCERTAIN, f"waiting for more speed: slip deviation {sqrt(variance):.3f}"
             elif abs(found) > HIGHEST_SLIP:
                 reason, text = Reason.BAD_INPUT, f"slip of {found:.2f}: the wheel spins, or the speed is wrong"
-            else:
-                acceleration, omega_dot = (
-                    (car.acceleration, car.acceleration_variance),
-                    (wheel.acceleration, wheel.acceleration_variance),
-                )
-                rate = slip_rate(speed[0], acceleration[0], omega[0], omega_dot[0], motion.radius)
-                rate_variance = slip_rate_variance(speed, acceleration, omega, omega_dot, motion.radius)
-            if reason is not Reason.OK:
-                found = variance = nan
+        if reason is not Reason.OK:
+            return WheelEstimate(nan, nan, speed[0], omega[0], nan, nan, speed[1], reason, text)
+        acceleration, omega_dot = (
+            (car.acceleration, car.acceleration_variance),
+            (wheel.acceleration, wheel.acceleration_variance),
+        )
+        rate = slip_rate(speed[0], acceleration[0], omega[0], omega_dot[0], radius)
+        rate_variance = slip_rate_variance(speed, acceleration, omega, omega_dot, radius)
         return WheelEstimate(found, rate, speed[0], omega[0], variance, rate_variance, speed[1], reason, text)
 
 
-class _Known(NamedTuple):
-    """Whether the motion of the car gives a slip."""
-
-    reason: Reason
-    text: str
-    """The reason in words."""
-
-
-_FROZEN = _Known(Reason.WHEEL_SENSOR, "wheel speed repeats itself while the others change: stuck")
+_FROZEN = Reason.WHEEL_SENSOR, "wheel speed repeats itself while the others change: stuck"

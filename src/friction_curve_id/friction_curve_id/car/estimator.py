@@ -30,7 +30,7 @@ from friction_curve_id.car.fit import LOAD_VARIATIONS, CurveFit
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
 from friction_curve_id.car.lateral_motion import LateralMotion
 from friction_curve_id.car.new_road import NewRoad, axle_on_new_road, friction_there, silenced, told_of_roads
-from friction_curve_id.car.node_signals import Start, delayed, node_signals, rolling_noise
+from friction_curve_id.car.node_signals import Start, delayed, node_signals
 from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.passing import Passing
@@ -39,6 +39,7 @@ from friction_curve_id.car.prior import SLIP_OFFSET_STDDEV, car_prior, radius_de
 from friction_curve_id.car.tyre_deviations import LAMBDA_MAX, mu_max_deviations, side_deviations
 from friction_curve_id.car.unknowns import Unknown
 from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, Refusal, RestartCause
+from sensor_monitor.signal_noise import white_noise
 from vehicle_models.constants import GRAVITY
 from vehicle_models.lateral_forces import ACROSS
 from vehicle_models.reason import Reason
@@ -85,6 +86,8 @@ _KNOWN_MU = 0.1
 """Relative deviation of mu_max below which another road is told from the present one."""
 _MOST_UNMEASURED = 0.03
 """Share of the friction along the wheels that a curve may take where nothing measures the motion across."""
+_LEAST_WHEEL_STDDEV = 0.01
+"""Least noise of a wheel speed [rad/s]."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -273,7 +276,7 @@ class CarEstimator:
         self._start = Start(
             float(samples.time[0]), rolling, at_rest, float(samples.speed_change[0]), float(samples.sideways[0])
         )
-        self._rolling_noise = rolling_noise(samples.wheel_speed, 0.01)
+        self._wheel_stddev = np.maximum(white_noise(samples.wheel_speed), _LEAST_WHEEL_STDDEV)
         self._lateral_at = None
         if self._car.partner and self._with_accelerometer and self._last and isfinite(self._last.yaw_rate):
             self._lateral_at = rolling
@@ -330,7 +333,7 @@ class CarEstimator:
 
     def _nodes(self) -> Nodes:
         is_mean = self._p.wheel_speed_is_interval_mean
-        nodes = node_signals(self._car, self._samples, self._start, self._rolling_noise, is_mean)
+        nodes = node_signals(self._car, self._samples, self._start, self._wheel_stddev, is_mean)
         if not (nodes.time[0] < self._silent_until).any():
             return nodes
         return replace(nodes, turning=nodes.turning & (nodes.time >= self._silent_until))

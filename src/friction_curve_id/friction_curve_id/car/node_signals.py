@@ -13,7 +13,7 @@ turned on average, and the four pressures of a node reach as far.
 """
 
 from dataclasses import dataclass
-from math import pi, sqrt
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,16 +53,14 @@ class Start:
     """Integral of lateral acceleration less centripetal one at `time` [m/s]."""
 
 
-def node_signals(
-    car: CarConstants, samples: BrakingSamples, start: Start, rolling_noise: Array, counted: bool
-) -> Nodes:
+def node_signals(car: CarConstants, samples: BrakingSamples, start: Start, wheel_stddev: Array, counted: bool) -> Nodes:
     """Return the signals at the n - 1 nodes of n >= 4 samples.
 
     Args:
         car: nominal values.
         samples: the samples.
         start: state at the start of the braking.
-        rolling_noise: standard deviation of a speed of a wheel that turns steadily [rad/s], shape (W,).
+        wheel_stddev: standard deviation of a speed of a wheel that turns steadily [rad/s], shape (W,).
         counted: whether the speeds come from toothed encoders.
     """
     t, w = samples.time, samples.wheel_speed
@@ -98,7 +96,7 @@ def node_signals(
         least[:, :-1] = np.maximum(least[:, :-1], turned[:, 1:])
         standing[:, 1:] &= w[:, 1:] < least
     noise = np.empty_like(w)
-    noise[:] = rolling_noise[:, np.newaxis] ** 2
+    noise[:] = wheel_stddev[:, np.newaxis] ** 2
     if counted:
         tooth = (2.0 * pi) / (car.teeth * np.maximum(speed, 1.0))
         late = growth * tooth
@@ -162,17 +160,6 @@ def departs(car: CarConstants, nodes: Nodes) -> bool:
     turning = nodes.turning[:, size:] & nodes.turning[:, :-size]
     least = np.maximum(_DEPARTURE, _DEPARTURE_SLIP * (nodes.start_speed + nodes.speed_change[size:]))
     return bool((turning & (np.abs(beside[:, size:] - beside[:, :-size]) > least)).any())
-
-
-def rolling_noise(wheel_speed: Array, least: float) -> Array:
-    """Standard deviation of speeds of steadily turning wheels [rad/s], shape (W,), by second differences.
-
-    Args:
-        wheel_speed: shape (W, n), n >= 3.
-        least: least value [rad/s].
-    """
-    bend = np.abs(wheel_speed[:, 2:] - 2.0 * wheel_speed[:, 1:-1] + wheel_speed[:, :-2])
-    return np.maximum(np.median(bend, axis=1) / (0.6745 * sqrt(6.0)), least)
 
 
 def _rate(values: Array, time: Array) -> Array:

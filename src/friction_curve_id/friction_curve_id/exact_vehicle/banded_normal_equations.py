@@ -50,8 +50,6 @@ class NormalEquations:
     """Rows omega_k; columns q, u, and last the gradient; shape (n, 5)."""
     corner: Array
     """Block of (q, u), bordered by the gradient in the last column, shape (5, 5)."""
-    wheel_equation_error: Array
-    """Residuals of the wheel equations [standard deviations of the torque], shape (n - 1,)."""
     cost: float
     """Cost at the present unknowns."""
 
@@ -113,8 +111,7 @@ def assemble(
     )
     before = -scale - half_gain * mu_per_omega[:-1]
     after = scale - half_gain * mu_per_omega[1:]
-    error = equation[:, 4].copy()
-    squared, trust = error * error, window.equation_trust[1:n]
+    squared, trust = equation[:, 4] ** 2, window.equation_trust[1:n]
     cost = robust_cost(squared, thresholds.wheel_equation) @ trust
     root = np.sqrt(robust_weights(squared, thresholds.wheel_equation) * trust)
     equation *= root[:, np.newaxis]
@@ -152,7 +149,7 @@ def assemble(
     border[0, :4] += past.information[4, :4]
     border[0, 4] += gradient[4]
     diagonal[0] += past.information[4, 4]
-    return NormalEquations(diagonal, before * after, border, corner, error, float(cost))
+    return NormalEquations(diagonal, before * after, border, corner, float(cost))
 
 
 def solve(equations: NormalEquations) -> Solution:

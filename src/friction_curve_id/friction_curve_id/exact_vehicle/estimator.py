@@ -15,13 +15,14 @@ from friction_curve_id.exact_vehicle.braking_window import SET_ASIDE
 from friction_curve_id.exact_vehicle.curve_uncertainty import describe
 from friction_curve_id.exact_vehicle.excitation import is_driven, is_excited, is_released, wheel_trend
 from friction_curve_id.exact_vehicle.map_fit import FitParameters, MapFit
-from friction_curve_id.exact_vehicle.rolling_noise import RollingNoise
 from friction_curve_id.exact_vehicle.surface_change import LONGEST_OUTLIER, SurfaceChangeMonitor
 from friction_curve_id.exact_vehicle.torque_watch import TorqueWatch
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause, Sample
 from friction_curve_id.sample_gate import GateParameters, SampleGate
 from friction_curve_id.stamp_order import Admission
+from sensor_monitor.signal_noise import SignalNoise
 from vehicle_models import burckhardt_log
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import CornerParameters
 
@@ -44,6 +45,8 @@ _STABLE = 0.6
 what its level on either side may be wrong by."""
 _MOST_TORQUE = 1.2
 """Torque of a brake over the one measured, at most."""
+_NOISIER = 2.0
+"""Times the stated variance of a wheel speed from which on the one that is seen counts in its place."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,8 @@ class ExactVehicleEstimator:
         self._p = parameters
         self._gate = SampleGate(wheel.radius, parameters.gate)
         self._fit = MapFit(wheel, parameters)
-        self._rolling = RollingNoise(parameters.noise.wheel_speed_variance)
+        stated = parameters.noise.wheel_speed_variance
+        self._rolling = SignalNoise(stated, stated)
         self._monitor = SurfaceChangeMonitor()
         self._torque_watch = TorqueWatch(parameters.noise.torque)
         self._cause = RestartCause.NONE
@@ -151,16 +155,17 @@ class ExactVehicleEstimator:
 
     def _wait(self, sample: Sample, torque: float) -> CurveEstimate | Refusal:
         window = self._fit.window
-        self._rolling.update(sample.time, sample.wheel_speed)
+        self._rolling.update(round(sample.time * NANOSECONDS), sample.wheel_speed)
         if sample.vehicle_speed is None and sample.wheel_speed * self._radius < self._p.gate.minimum_speed:
             return Refusal(Reason.LOW_SPEED, f"wheel speed {sample.wheel_speed:.3g} rad/s is low, no speed is measured")
         window.append(sample.time, sample.wheel_speed, sample.vehicle_speed, torque, sample.wheel_speed)
         if window.count > _LEAD_IN:
             window.drop_oldest(1)
         n = window.count
-        if self._rolling.variance != self._fit.noise.wheel_speed_variance:
-            self._fit.noise = replace(self._p.noise, wheel_speed_variance=self._rolling.variance)
-        noise = self._fit.noise
+        noise, seen = self._p.noise, self._rolling.variance
+        if seen > _NOISIER * noise.wheel_speed_variance:
+            noise = replace(noise, wheel_speed_variance=seen)
+        self._fit.noise = noise
         trend = wheel_trend(window.time[:n], window.measured_wheel_speed[:n], noise.wheel_speed)
         if not is_excited(trend, window.torque[:n], noise.wheel_speed, noise.torque):
             if is_driven(trend, window.torque[:n], noise.torque):
@@ -171,7 +176,6 @@ class ExactVehicleEstimator:
 
     def _start(self) -> None:
         """Begin to fit the waiting samples."""
-        self._rolling.forget_samples()
         if not self._fit.start():
             if self._samples:
                 self._cause = RestartCause.GAP

@@ -19,11 +19,12 @@ from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.lateral_inputs import MEASURED, NOT_MEASURED, LateralInput
 from friction_runtime.messages import header_at, to_nanoseconds, validity
 from friction_runtime.processor import Level, Output, Report, silent
-from friction_runtime.wheel_inputs import WHEEL_STATES, PressureWatch, WheelSpeeds
+from friction_runtime.wheel_inputs import WHEEL_STATES, WheelSpeeds
+from sensor_monitor.acceleration_unit import AccelerationUnit
+from sensor_monitor.pressure_unit import PressureUnit
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_PRESSURE
 from vehicle_models.reason import Reason
-from vehicle_models.signal_units import AccelerationUnit
 from vehicle_models.vehicle import Vehicle
 
 VEHICLE_FIT = "vehicle_fit"
@@ -44,7 +45,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         aligned = [AlignedInput(topic, max_gap) for topic in self._pressures]
         aligned.append(AlignedInput(IMU, max_gap))
         super().__init__("car", Primary(WHEEL_STATES, "car", report), aligned, parameters.deadline, (IMU,))
-        self._pressure_watches = {topic: PressureWatch(vehicle, wheel) for topic, wheel in self._pressures.items()}
+        self._pressure_units = {topic: PressureUnit(vehicle, wheel) for topic, wheel in self._pressures.items()}
         self._braked_speed = BrakedSpeed(vehicle)
         self._acceleration_unit = AccelerationUnit(largest=inf, lasting=2)  # no slip is in that speed
         self._mounting, self._lateral = vehicle.accelerometer, LateralInput(vehicle.accelerometer)
@@ -81,7 +82,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         # No delay is taken off: the age of the pressures is an unknown too.
         pressure = float(message.fluid_pressure)
         if not abs(pressure) <= HIGHEST_PRESSURE:
-            self._pressure_watches[topic].refuse(stamp, pressure)
+            self._pressure_units[topic].refuse(stamp, pressure)
             return f"{topic}: {pressure} Pa is not a brake pressure"
         return self._aligner.offer(topic, stamp, (pressure,))
 
@@ -118,10 +119,11 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
     ) -> str:
         """Return which unit of pressures or accelerometer seems to be wrong, empty where none does."""
         found = ""
-        for watch, wheel_speed, pressure in zip(
-            self._pressure_watches.values(), sample.payload, pressures, strict=True
+        for (topic, unit), wheel_speed, pressure in zip(
+            self._pressure_units.items(), sample.payload, pressures, strict=True
         ):
-            found = watch.judge(sample.stamp, wheel_speed, pressure) or found
+            unit.update(sample.stamp, wheel_speed, pressure)
+            found = f"{topic}: {unit.text}" if unit.text else found
         if not self._acceleration_unit.known:
             speed = self._braked_speed.update(sample.stamp / NANOSECONDS, sample.payload, pressures)
             if isfinite(speed) and isfinite(acceleration):
@@ -134,8 +136,8 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
 
     def _forget(self) -> None:
         self._last = []
-        for watch in self._pressure_watches.values():
-            watch.reset()
+        for unit in self._pressure_units.values():
+            unit.reset()
         self._braked_speed.reset()
         self._acceleration_unit.reset()
         self._lateral.reset()

@@ -17,6 +17,7 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState, NavSatFix, NavSatSta
 
 from corner_sim.car.car import STEP, Car
 from corner_sim.car.car_parameters import CarParameters
+from corner_sim.car.cross_axes import CrossAxes
 from corner_sim.car.driving import Cycling, OrdinaryDriver, SlipCycle, Surroundings
 from corner_sim.car.measured_car import MeasuredCar
 from corner_sim.car.random_car import RandomCar, random_car
@@ -132,7 +133,7 @@ def messages(job: DriveJob, vehicle: Vehicle) -> Iterator[tuple[str, Any]]:
     measured = MeasuredCar(parameters, _FIRST_SPEED, of_drive)
     dry = replace(parameters, tyres=(tyres.on("dry", 1.0),) * 4)
     driver = _Driver(dry, car.cycling, rng, of_drive)
-    roll, bias, turn_bias = float(rng.uniform(0.0, 0.1)), float(rng.normal(0.0, 0.1)), float(rng.normal(0.0, 0.01))
+    roll, axes = float(rng.uniform(0.0, 0.1)), CrossAxes(rng)
     pressure, around, next_fix = [0.0] * 4, Surroundings(), 0.0
     for step in range(round(job.seconds / STEP)):
         now = measured.car
@@ -145,8 +146,8 @@ def messages(job: DriveJob, vehicle: Vehicle) -> Iterator[tuple[str, Any]]:
             imu = Imu(header=at)
             imu.linear_acceleration.x = m.acceleration
             leftward = (1.0 + roll) * around.curvature * now.speed**2
-            imu.linear_acceleration.y = leftward + bias + 0.05 * float(rng.normal())
-            imu.angular_velocity.z = around.curvature * now.speed + turn_bias + 0.003 * float(rng.normal())
+            turn = around.curvature * now.speed
+            imu.linear_acceleration.y, imu.angular_velocity.z = axes.read(leftward, turn)
             yield "/imu/data", imu
             yield "/wheel_states", JointState(header=at, name=list(vehicle.joints), velocity=m.wheel_speed)
             if m.time >= next_fix:

@@ -13,8 +13,8 @@ from friction_runtime.messages import slip_fault, slip_is_known, speed_is_known,
 from friction_runtime.processor import Level, Output, Report, level_of, silent
 from friction_runtime.wheel_inputs import WHEEL_STATES, BrakeTorque, WheelSpeeds
 from friction_slope.detector import SlopeDetector
-from friction_slope.doubt import doubt_of
 from friction_slope.estimate import Method, SlopeEstimate, SlopeSample
+from friction_slope.indicator import doubt_of
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.ros.car_processor import CarProcessor
 from friction_slope.ros.messages import estimate_message, vote_message

@@ -22,8 +22,7 @@ from vehicle_models.vehicle import Vehicle
 from wheel_slip.estimate import Hypotheses, SpeedSample, WheelEstimate
 from wheel_slip.estimator import SlipEstimator
 from wheel_slip.parameters import WheelSlipParameters
-from wheel_slip.ros.brake_pressures import BrakePressures
-from wheel_slip.speed_queue import WAIT, SpeedQueue
+from wheel_slip.ros.held_samples import BrakePressures, HeldSamples
 from wheel_slip.wheel_equation import B, U
 
 IMU: Final = "imu/data"
@@ -58,7 +57,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         primary = Primary(WHEEL_STATES, "car", report)
         super().__init__("car", primary, inputs, parameters.deadline, optional)
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
-        self._speeds: SpeedQueue[tuple[float, float]] = SpeedQueue(WAIT)
+        self._speeds: HeldSamples[tuple[float, float]] = HeldSamples()
         self._estimator = SlipEstimator(vehicle, parameters.estimator)
         self._forget()
 
@@ -162,10 +161,8 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         message.header = header_at(stamp, "base_link")
         message.twist.twist.linear.x, message.twist.twist.angular.z = car.speed, float(car.mean[U])
         covariance = np.diag([_UNKNOWN] * 6)
-        covariance[0, 0], covariance[5, 5] = (
-            car.variance + self._estimator.speed_sensor.undecided,
-            float(car.covariance[U, U]),
-        )
+        covariance[0, 0] = car.variance + self._estimator.speed_sensor.undecided
+        covariance[5, 5] = float(car.covariance[U, U])
         message.twist.covariance = covariance.ravel()
         return message
 

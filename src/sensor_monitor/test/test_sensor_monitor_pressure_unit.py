@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from vehicle_models.signal_units import PressureUnit
+from sensor_monitor.pressure_unit import PressureUnit
 from vehicle_models.vehicle_file import load_vehicle
 
 CAR = load_vehicle("compact_car")

@@ -1,16 +1,19 @@
-"""Brake pressures of the car: by message time, and never waited for."""
+"""Speed sensor and brake pressures: by message time, and never waited for."""
 
 from math import isnan, nan
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from sensor_msgs.msg import FluidPressure
 
 from friction_runtime.messages import header_at
 from vehicle_models.vehicle_file import load_vehicle
-from wheel_slip.ros.brake_pressures import BrakePressures
+from wheel_slip.ros.held_samples import BrakePressures, HeldSamples
 
 CAR = load_vehicle("compact_car")
 STEP = 5_000_000
+MS = 1_000_000
 START = 1_000_000_000
 DELAY = round(1e9 * CAR.brake_pressure_delay)
 
@@ -68,3 +71,36 @@ def test_after_a_jump_back_the_run_before_is_forgotten(brakes: BrakePressures) -
     brakes.offer(*message(0, 100.0))
     brakes.torques(START + 5 * STEP, rewound=False)
     assert brakes.torques(START - 20_000_000_000, rewound=True) == []
+
+
+@given(st.lists(st.tuples(st.booleans(), st.integers(0, 3)), min_size=1, max_size=80))
+def test_queue_gives_the_same_samples_to_the_same_outputs_however_the_streams_interleave(
+    steps: list[tuple[bool, int]],
+) -> None:
+    """Two streams at 5 ms, either ahead of the other by at most 3 samples, with a hold of 20 ms."""
+
+    def run(lead: list[int]) -> dict[int, list[int]]:
+        queue: HeldSamples[int] = HeldSamples()
+        offered, given_to = 0, {}
+        for k, ahead in enumerate(lead, start=5):
+            while offered < k + ahead:
+                offered += 1
+                assert queue.offer(offered * 5 * MS, offered) is None
+            given_to[k] = [payload for _, payload in queue.due(k * 5 * MS, False)]
+        return given_to
+
+    in_step = run([0] * len(steps))
+    apart = run([offset - 3 if late else offset for late, offset in steps])
+    assert in_step == apart
+
+
+def test_queue_refuses_repeats_and_zero_and_starts_again_after_a_jump_back() -> None:
+    queue: HeldSamples[str] = HeldSamples()
+    assert queue.offer(0, "zero") == "stamp is zero"
+    assert queue.offer(1000 * MS, "old") is None
+    assert queue.offer(1000 * MS, "again") == "stamp repeats"
+    assert queue.offer(951 * MS, "late") == "late sample"
+    assert queue.late == 1
+    assert list(queue.due(1010 * MS, False)) == []
+    assert queue.offer(100 * MS, "new") is None
+    assert list(queue.due(130 * MS, True)) == [(100 * MS, "new")]

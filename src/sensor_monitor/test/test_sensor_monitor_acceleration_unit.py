@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vehicle_models.signal_units import AccelerationUnit
+from sensor_monitor.acceleration_unit import AccelerationUnit
 
 Array = NDArray[np.float64]
 DT = 0.005
