@@ -47,10 +47,6 @@ def test_a_pressure_that_reads_nothing_in_a_hard_stop_is_named_and_the_speed_is_
     assert np.mean(np.abs(z) < 2.0) > 0.95
 
 
-def test_pressures_that_all_read_nothing_are_named() -> None:
-    assert drive(brakings(6.0, -0.5), np.zeros(4))[0]
-
-
 @pytest.mark.parametrize("gain", [0.9, 1.0, 1.1])
 @pytest.mark.parametrize("engine", [-3.0, 0.0])
 def test_pressures_that_are_right_are_not_named_whatever_pads_and_pedals_do(gain: float, engine: float) -> None:

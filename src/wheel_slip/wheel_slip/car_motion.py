@@ -376,7 +376,7 @@ class CarMotion:
             reading, mean_speed, rates, torques, self._tyres.unrest, float(self.mean[F]), unread, locked
         )
         self._beyond_brakes = (self._beyond_brakes[1], read - forces.felt)
-        self._odds.update(dt, forces.pull, nan if unread else forces.braked)
+        self._odds.update(dt, forces.pull, nan if unread else forces.braked, float(bank.probabilities[MISREAD]))
         if unread:
             felt = float(np.clip(np.median(rates), -HARDEST_BRAKING, HARDEST_BRAKING))
             share = dt / (p.correlation + dt)

@@ -5,16 +5,17 @@ torques miss, as pads are not those of the vehicle file, or as a pressure is not
 
     pull - braked = E + w pull + n
 
-A Kalman filter takes w for that of a wrong torque, so that none is ever denied. With its estimate w and variance P, and
-s as the deviation of w, positive only where a torque is wrong, the odds that all are right are (Savage and Dickey)
+A Kalman filter follows both, and what it finds of w alone is m, with variance q. Where all torques are right w is that
+of the pads; where one is wrong it is anything from nothing to its wheel's share of the braking, at most s; where the
+accelerometer is wrong, anything about 1:
 
-    exp(X) N(m; 0, q + s_pads^2) p_right / (2 Phi(w / P^1/2) N(m; 0, q + s_wrong^2) p_wrong)
-    1/q = 1/P - 1/s_wrong^2,    m = w q/P
+    p(data | right) = N(m; 0, q + s_pads^2),    p(data | accelerometer) = N(m; 0, q + 1)
+    p(data | wrong) = exp(-X) (Phi((s - m) / q^1/2) - Phi(-m / q^1/2)) / s
 
-in which X is by how much wheels contradict an accelerometer that is right where torques are wrong.
+in which X is by how much wheels contradict an accelerometer that is right where torques are wrong, and jumps of it.
 """
 
-from math import erf, exp, isfinite, log, nan, sqrt
+from math import erf, exp, isfinite, log, nan, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +32,7 @@ class TorqueOdds:
         """Start with what pads and engines are like."""
         self._noise = noise
         self._prior = noise.fault_time / noise.fault_every
-        self._told = 0.0
+        self._told = self._trusted = 0.0
         self.reset()
 
     def reset(self) -> None:
@@ -44,7 +45,7 @@ class TorqueOdds:
     @property
     def wrong(self) -> float:
         """Probability that they are wrong."""
-        return self._more_likely(self._told - self._contradicted)
+        return self._more_likely(self._told + self._trusted - self._contradicted)
 
     @property
     def known(self) -> bool:
@@ -56,14 +57,22 @@ class TorqueOdds:
         if self.judges:
             self._contradicted += max(0.5 * excess, 0.0)
 
-    def update(self, dt: float, pull: float, braked: float) -> None:
-        """Take a step of some length [s]: braking by all tyres as felt, and by the torques, NaN if unknown [m/s^2]."""
+    def update(self, dt: float, pull: float, braked: float, misread: float) -> None:
+        """Take a step.
+
+        Args:
+            dt: its length [s].
+            pull: braking of the car by all its tyres, as it was felt [m/s^2].
+            braked: the same by the torques [m/s^2], NaN where they are unknown.
+            misread: probability that the accelerometer is wrong.
+        """
         p = self._noise
         self._contradicted *= exp(-dt / p.fault_time)
         variance = p.acceleration**2 + (p.pressure_delay * (braked - self._braked) / dt) ** 2
         self._braked = braked
         self.judges = isfinite(variance) and (braked > p.engine or pull > 3.0 * p.engine)
         if not self.judges:  # the pedals change, and with them the engine's force
+            self._trusted = log(max(1.0 - misread, 1e-9))
             self._before = self._prior + exp(-dt / p.fault_time) * (self._more_likely(self._told) - self._prior)
             self._begin(*((pull - braked, variance) if isfinite(variance) else (0.0, p.engine**2)))
             return
@@ -74,15 +83,18 @@ class TorqueOdds:
         self._p[0, 0] += (1.0 - kept**2) * p.engine**2
         h = np.array([1.0, max(pull, 0.0)])
         by = self._p @ h
-        gain = by / (h @ by + variance * max(p.correlation / dt, 1.0))
-        self._x += gain * (pull - braked - h @ self._x)
-        self._p -= np.outer(gain, by)
+        expected = float(h @ by) + variance * max(p.correlation / dt, 1.0)
+        off = pull - braked - float(h @ self._x)
+        # A jump that neither engine nor pads explain is one of the accelerometer.
+        self._contradicted += 0.5 * max(off**2 / expected - p.surprise**2, 0.0)
+        self._x += by / expected * off
+        self._p -= np.outer(by, by) / expected
         missed, known = float(self._x[1]), float(self._p[1, 1])
         told = max(1.0 - known / p.missed**2, 1e-9)
         q, m = known / told, missed / told
-        right, wrong = q + p.brakes**2, q + p.missed**2
-        self._told = 0.5 * (m**2 / right - m**2 / wrong + log(right / wrong))
-        self._told += log(1.0 + erf(missed / sqrt(2.0 * known)) + 1e-12)
+        right, misread = [exp(-(m**2) / (2.0 * each)) / sqrt(2.0 * pi * each) for each in (q + p.brakes**2, q + 1.0)]
+        wrong = 0.5 * (erf((p.missed - m) / sqrt(2.0 * q)) + erf(m / sqrt(2.0 * q))) / p.missed
+        self._told = log(max(wrong, 1e-30)) - log(max(right + self._prior * misread, 1e-30))
 
     def _more_likely(self, odds: float) -> float:
         odds += log(self._before / (1.0 - self._before))
