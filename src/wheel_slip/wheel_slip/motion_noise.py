@@ -46,7 +46,7 @@ class MotionNoise:
     engine: float = constant(1.0, "force of the engine over the mass, driving or braking", unit="m/s^2")
     engine_time: float = constant(3.0, "time for which that force may stay", unit="s")
     brakes: float = constant(0.06, "share by which all brakes together differ from their torques: friction of the pads")
-    missed: float = constant(0.5, "largest share of the braking that a wrong pressure of one wheel misses")
+    missed: float = constant(0.6, "largest share of the braking that a wrong pressure of one wheel misses")
     unequal: float = constant(30.0, "share by which the force of one wheel differs from that of the car")
     correlation: float = constant(0.1, "time for which the error of a force is one", unit="s")
     pressure_delay: float = constant(0.012, "age of a pressure that is not known", unit="s")
