@@ -46,3 +46,15 @@ def test_a_speed_of_the_car_counts_with_a_deviation_up_to_a_third_of_it_or_one_a
     seen = inputs.observe(sample, 0.0)
     assert (seen.car_speed == speed, isfinite(seen.slip)) == (tells, tells)
     assert not tells or seen.slip == pytest.approx(1.0 - share)
+
+
+@pytest.mark.parametrize(("stddev", "known"), [(0.01, True), (2.0, False), (1e200, False)])
+def test_a_valid_slip_with_a_deviation_beyond_any_slip_is_none(stddev: float, known: bool) -> None:
+    vehicle = load_vehicle("chapter_corner")
+    inputs = WheelInputs(WHEEL, vehicle, silent, fine=False)
+    message = WheelSlip(header=header_at(STEP, WHEEL), validity=Validity(valid=True), slip=0.1, slip_stddev=stddev)
+    message.vehicle_speed, message.wheel_speed = 20.0, 0.9 * 20.0 / vehicle.wheels[0].radius
+    read = inputs.read(inputs.slip, message)
+    assert not isinstance(read, str)
+    seen = inputs.observe(AlignedSample(STEP, SlopeVote(), {inputs.slip: read[1]}, {}, False), 0.0)
+    assert isfinite(seen.slip) == known

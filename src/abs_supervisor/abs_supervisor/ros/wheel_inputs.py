@@ -86,7 +86,7 @@ class WheelInputs:
         elif self._contradicts_itself(message):
             self._keep_text(stamp, f"{slip:.3f} contradicts the speeds in the same message")
             slip, stddev = nan, nan
-        known = abs(slip) <= HIGHEST_SLIP and 0.0 <= stddev < inf
+        known = abs(slip) <= HIGHEST_SLIP and 0.0 <= stddev <= HIGHEST_SLIP
         measured = float(message.speed_measured)
         inertial = float(message.speed_measured or not isnan(message.accelerometer_wrong_probability))
         flagged_slip = _flagged(slip if known else nan)
