@@ -26,7 +26,8 @@ LAYER_1: dict[str, set[str]] = {
     **{module: INTERFACE | {"curve", "known_car"} | METHODS | CHOICE for module in CHOICE},
 }
 """Allowed imports, within the package, of a subpackage or a module beside them that must not depend on ROS."""
-PACKAGES = {"friction_curve_id", "friction_parameters", "vehicle_models", "numpy", "scipy", *sys.stdlib_module_names}
+OWN = {"friction_curve_id", "friction_parameters", "sensor_monitor", "vehicle_models"}
+PACKAGES = {*OWN, "numpy", "scipy", *sys.stdlib_module_names}
 """All its allowed imports: no message, and not friction_runtime, which depends on ROS."""
 
 

@@ -24,7 +24,7 @@ class FilterBank:
         """
         self.x: Array = np.stack([mean] * len(probabilities))
         self.p: Array = np.stack([covariance] * len(probabilities))
-        self.probabilities = probabilities
+        self.probabilities = probabilities.copy()
         self._considered = considered
         self.collapse()
 

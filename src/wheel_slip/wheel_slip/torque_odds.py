@@ -32,13 +32,13 @@ class TorqueOdds:
         """Start with what pads and engines are like."""
         self._noise = noise
         self._prior = noise.fault_time / noise.fault_every
-        self._told = self._trusted = 0.0
+        self._told = 0.0
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         self._begin(0.0, self._noise.engine**2)
-        self._braked, self._contradicted, self._before = nan, 0.0, self._prior
+        self._braked, self._trusted, self._contradicted, self._before = nan, 0.0, 0.0, self._prior
         self.judges = False
         """Whether brakes are on."""
 
@@ -92,9 +92,9 @@ class TorqueOdds:
         missed, known = float(self._x[1]), float(self._p[1, 1])
         told = max(1.0 - known / p.missed**2, 1e-9)
         q, m = known / told, missed / told
-        right, misread = [exp(-(m**2) / (2.0 * each)) / sqrt(2.0 * pi * each) for each in (q + p.brakes**2, q + 1.0)]
+        right, other = [exp(-(m**2) / (2.0 * each)) / sqrt(2.0 * pi * each) for each in (q + p.brakes**2, q + 1.0)]
         wrong = 0.5 * (erf((p.missed - m) / sqrt(2.0 * q)) + erf(m / sqrt(2.0 * q))) / p.missed
-        self._told = log(max(wrong, 1e-30)) - log(max(right + self._prior * misread, 1e-30))
+        self._told = log(max(wrong, 1e-30)) - log(max(right + self._prior * other, 1e-30))
 
     def _more_likely(self, odds: float) -> float:
         odds += log(self._before / (1.0 - self._before))
