@@ -1,7 +1,7 @@
 """Unit of a brake pressure, checked against how its wheel slows down."""
 
 from collections import deque
-from math import inf, isfinite
+from math import inf, isfinite, isnan, nan
 from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -72,8 +72,11 @@ class PressureUnit:
         """
         if self.known:
             return
+        refused = nan
         while self._refused and self._refused[0][0] <= stamp:
-            _, pressure = self._refused.popleft()
+            _, refused = self._refused.popleft()
+        if not isnan(refused):
+            pressure = refused
         self._count(abs(pressure))
         if self.known:
             self.text = ""
