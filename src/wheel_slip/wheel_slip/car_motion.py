@@ -260,15 +260,16 @@ class CarMotion:
         """Go to a stamp [ns] and correct by the wheels; `dt`: since the last step [s]."""
         self._steps.append(self._step.means)
         torques, yaw_rate = self._step.torques, self._step.yaw_rate
+        told = self._forces.told_by(torques)
         if not self.started:
             self._start()
         else:
-            self._mix(dt, self._forces.told_by(torques))
+            self._mix(dt, told)
             self._predict(dt)
         self._step.begin(stamp)
         if self.started:
             if len(self._steps) == 3:
-                self._correct_by_wheels(stamp, dt, torques)
+                self._correct_by_wheels(stamp, dt, torques if told else None)
             if yaw_rate is not None:
                 self._bank.correct_one(self._of_yaw, yaw_rate - self._bank.x[:, U], self._noise.gyroscope**2)
             self._tell()
@@ -351,8 +352,8 @@ class CarMotion:
             self._bank.x[MISREAD, B] += now - before
         self._bank.p[MISREAD, B, B] += dt * (2.0 * p.engine**2 / p.engine_time if told else p.misread**2)
 
-    def _correct_by_wheels(self, stamp: int, dt: float, torques: Sequence[float]) -> None:
-        """Take the means of the wheels over the step before the last."""
+    def _correct_by_wheels(self, stamp: int, dt: float, torques: Sequence[float] | None) -> None:
+        """Take the means of the wheels over the step before the last; `torques`: None unless they are known."""
         p, bank = self._noise, self._bank
         before, then, now = self._steps
         span, age = (now.stamp - before.stamp) / NANOSECONDS, (stamp - then.stamp) / NANOSECONDS
@@ -370,7 +371,7 @@ class CarMotion:
         unlike = reading - (0.0 if unread else offset - misread) - rates
         rest = np.maximum(np.abs(unlike) - 3.0 * sqrt(2.0 * self._rim_variance) / span, 0.0)
         locked = np.abs(then.rim_speeds) <= LOCKED
-        settles = np.array([[p.pressure_delay if self._forces.told_by(torques) else p.correlation], [p.correlation]])
+        settles = np.array([[p.correlation if torques is None else p.pressure_delay], [p.correlation]])
         self._tyres.disturb(dt, rest, behind + settles)
         forces = self._forces.of(
             reading, mean_speed, rates, torques, self._tyres.unrest, float(self.mean[F]), unread, locked

@@ -15,7 +15,8 @@ accelerometer is wrong, anything about 1:
 in which X is by how much wheels contradict an accelerometer that is right where torques are wrong, and jumps of it.
 """
 
-from math import erf, exp, isfinite, log, nan, pi, sqrt
+from math import exp, isfinite, log, nan, sqrt
+from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,14 +90,17 @@ class TorqueOdds:
         self._contradicted += 0.5 * max(off**2 / expected - p.surprise**2, 0.0)
         self._x += by / expected * off
         self._p -= np.outer(by, by) / expected
-        missed, known = float(self._x[1]), float(self._p[1, 1])
-        told = max(1.0 - known / p.missed**2, 1e-9)
-        q, m = known / told, missed / told
-        right, other = [exp(-(m**2) / (2.0 * each)) / sqrt(2.0 * pi * each) for each in (q + p.brakes**2, q + 1.0)]
-        wrong = 0.5 * (erf((p.missed - m) / sqrt(2.0 * q)) + erf(m / sqrt(2.0 * q))) / p.missed
+        # What the samples show of w, without the prior of the filter.
+        known = float(self._p[1, 1])
+        shown = max(1.0 - known / p.missed**2, 1e-9)
+        q, m = known / shown, float(self._x[1]) / shown
+        of_share = NormalDist(m, sqrt(q))
+        right, other = [NormalDist(0.0, sqrt(q + variance)).pdf(m) for variance in (p.brakes**2, 1.0)]
+        wrong = (of_share.cdf(p.missed) - of_share.cdf(0.0)) / p.missed
         self._told = log(max(wrong, 1e-30)) - log(max(right + self._prior * other, 1e-30))
 
     def _more_likely(self, odds: float) -> float:
+        """Return the probability from before with so many logarithmic odds more."""
         odds += log(self._before / (1.0 - self._before))
         return 1.0 / (1.0 + exp(-min(max(odds, -20.0), 20.0)))
 

@@ -82,7 +82,7 @@ class TyreForces:
         reading: float,
         speed: float,
         rim_rates: Array,
-        torques: Sequence[float],
+        torques: Sequence[float] | None,
         unrest: Array,
         error: float,
         unread: bool,
@@ -94,7 +94,7 @@ class TyreForces:
             reading: of the accelerometer, forward positive [m/s^2].
             speed: of the car [m/s].
             rim_rates: r omega' of each wheel [m/s^2].
-            torques: of the brakes [N m], NaN where unknown; empty where no brake is known.
+            torques: of the brakes [N m]; None unless `told_by` them.
             unrest: of each wheel, by how much it changes unlike the car [m/s^2], shape (2, wheels).
             error: of the engine's force over the mass that is known [m/s^2].
             unread: whether the wheels themselves tell the reading: by as much as they slip, it is not the car's.
@@ -104,11 +104,11 @@ class TyreForces:
         load = np.maximum(self._load - self._transfer * (sign * reading), LEAST_SHARE * self._load)
         resistance = float(drag(self._vehicle, abs(speed))) / self._mass
         pull = -sign * reading - resistance
-        told, felt, braked = self.told_by(torques), nan, nan
+        felt = braked = nan
         force = np.full(self._count, max(pull, 0.0) ** 3 / (pull**2 + p.blind_force**2))
         off = p.blind_force + (p.unread * abs(pull) if unread else 0.0)
         rows: list[tuple[Array, float, float, float, float]] = [(force, min(pull, 0.0), 0.0, off, p.unequal)] * 2
-        if told:
+        if torques is not None:
             at_rim = (np.array(torques) + self._inertia * rim_rates * sign / self._radii) / self._radii
             # The road holds a locked wheel, not its brake.
             at_rim = np.where(locked, np.minimum(at_rim, load / GRAVITY * max(pull, 0.0)), at_rim)
@@ -118,7 +118,7 @@ class TyreForces:
             if braked > TELLING:
                 felt = -sign * (braked + resistance)
             rows[TOLD] = (force, pull - braked, off, p.force, 1.0)
-        known = np.array([[told], [False]])
+        known = np.array([[torques is not None], [False]])
         by_brakes, engine, unsure, least, uneven = [
             np.array(each, dtype=np.float64).reshape(2, -1) for each in zip(*rows, strict=True)
         ]
