@@ -8,7 +8,7 @@ from friction_msgs.msg import FrictionCurve, Validity
 
 from abs_supervisor.curve_selector import CurveReport, CurveSelector, Estimate
 from abs_supervisor.road_curve import RoadCurve, curve_through
-from abs_supervisor.ros.curve_report import curve_report
+from abs_supervisor.ros.wheel_inputs import curve_report
 from friction_runtime.messages import from_nanoseconds
 from vehicle_models import burckhardt
 from vehicle_models.reason import Reason

@@ -9,13 +9,11 @@ from std_msgs.msg import Header
 
 from abs_supervisor.axle import Axle, axles
 from abs_supervisor.parameters import CURVE, SupervisorParameters, TorqueWithHysteresis
-from abs_supervisor.ros.braking_log import BrakingLog
-from abs_supervisor.ros.curve_report import curve_report
 from abs_supervisor.ros.input_watch import InputWatch, Loss
-from abs_supervisor.ros.state_messages import state_messages
-from abs_supervisor.ros.wheel_inputs import IMU, WheelInputs
+from abs_supervisor.ros.reports import BrakingLog, state_messages
+from abs_supervisor.ros.wheel_inputs import IMU, WheelInputs, curve_report
 from abs_supervisor.speed_probe import SpeedProbe
-from abs_supervisor.state_machine import COMMANDS, Cause, Evidence, State, StateMachine
+from abs_supervisor.state_machine import COMMANDS, Cause, State, StateMachine
 from abs_supervisor.wheel_supervisor import WheelSupervisor
 from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
@@ -180,7 +178,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         self._inputs.reset()
         self._log.reset()
         self._hysteresis.reset()
-        self._held: tuple[int, float] | None = None
+        self._held = (0, nan)
         self._stamp = 0
         self._reason, self._text = Reason.NO_SLOPE, f"{self._vote}: no message yet"
         self._warned: Reason | None = None
@@ -242,56 +240,48 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         if loss is not None and self._input_watch is not None and self._input_watch.is_old(sample.stamp):
             return []
         self._stamp, self._indicator = sample.stamp, vote.indicator
-        torque = self._torque_at(sample)
-        self._torque = nan if torque is None else torque
+        self._torque = self._torque_at(sample)
         supervisor = self._supervisor
-        supervisor.observe(
-            sample.stamp, self._inputs.observe(sample, self._torque if self._demand == BRAKE_DEMAND else nan)
-        )
+        demand = self._torque if self._demand == BRAKE_DEMAND else nan
+        supervisor.observe(sample.stamp, self._inputs.observe(sample, demand))
         if loss is not None:
             self._command = supervisor.decide(Command.NONE)
             return self._fail(loss, loss[1]) or self._outputs()
-        self._reason, self._text = self._judge(sample, torque)
+        self._reason, self._text = self._judge(sample)
         if self._p.shadow and self._reason in _MISSING and self._reason is not self._warned:
             self._warned = self._reason
             self._report("warning", f"{self._wheel}: {self._text}")
         h, indicator = vote.h, vote.indicator if vote.validity.valid else nan
         if vote.validity.reason == Reason.LOW_SPEED and supervisor.car.slides:
             h, indicator = nan, self._p.thresholds.h_instability
-        evidence = Evidence(
-            h=h,
-            indicator=indicator,
-            usable=self._reason in _USABLE,
-            slow=self._reason is Reason.LOW_SPEED,
-            braking=torque is not None and self._brakes(sample.stamp, torque),
-        )
-        if self._machine.update(sample.stamp, evidence):
+        braking = isfinite(self._torque) and self._brakes(sample.stamp, self._torque)
+        usable, slow = self._reason in _USABLE, self._reason is Reason.LOW_SPEED
+        if self._machine.update(sample.stamp, h, indicator, braking, usable, slow):
             self._log.note(self._machine, sample.stamp, self._text)
         asked = COMMANDS[self._machine.state]
-        if supervisor.by_curve and evidence.slow and evidence.braking and isfinite(supervisor.measured.car_speed):
+        if supervisor.by_curve and slow and braking and isfinite(supervisor.measured.car_speed):
             # The machine has ended; the intervention gives the brake back, and slip control goes on until it has.
             asked = Command.INCREASE
         self._command = supervisor.decide(asked)
         return self._outputs()
 
-    def _torque_at(self, sample: AlignedSample[SlopeVote]) -> float | None:
-        """Return the torque that the driver demands [N m]; None where it is not known."""
+    def _torque_at(self, sample: AlignedSample[SlopeVote]) -> float:
+        """Return the torque that the driver demands [N m]; NaN where it is not known."""
         if self._demand in sample.values:
             return sample.values[self._demand][0]
-        if self._held is not None and 0 <= sample.stamp - self._held[0] <= self._p.demand_timeout * NANOSECONDS:
-            return self._held[1]
-        return None
+        stamp, torque = self._held
+        return torque if 0 <= sample.stamp - stamp <= self._p.demand_timeout * NANOSECONDS else nan
 
     def _brakes(self, stamp: int, torque: float) -> bool:
         if self._p.braking_source == "demand":
             return torque >= self._p.braking_torque
         return self._hysteresis.update(stamp, torque)
 
-    def _judge(self, sample: AlignedSample[SlopeVote], torque: float | None) -> tuple[Reason, str]:
+    def _judge(self, sample: AlignedSample[SlopeVote]) -> tuple[Reason, str]:
         """Return the reason why the machine may not act on this sample, or OK, and its text."""
         vote, supervisor = sample.payload, self._supervisor
         measured = supervisor.measured
-        if torque is None:
+        if not isfinite(self._torque):
             return Reason.NO_DEMAND, sample.missing[self._demand]
         if not isfinite(measured.wheel_speed):
             return Reason.NO_WHEEL_SPEED, sample.missing.get(WHEEL_STATES, f"{WHEEL_STATES}: no speed of this wheel")

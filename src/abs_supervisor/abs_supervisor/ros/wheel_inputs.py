@@ -1,4 +1,4 @@
-"""Inputs of the supervisor of one wheel: wheel speeds, slip, pressure and motion of the car, from messages."""
+"""Inputs of the supervisor of one wheel from messages: speeds, slip, pressure, friction curve, motion of the car."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -8,7 +8,9 @@ from typing import Any, Final
 from friction_msgs.msg import FrictionCurve, SlopeVote, WheelSlip
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
+from abs_supervisor.curve_selector import CurveReport, Estimate
 from abs_supervisor.measurements import Measurements
+from abs_supervisor.road_curve import RoadCurve, curve_through
 from abs_supervisor.speed_probe import CURVE_LATERAL, CURVE_YAW_RATE
 from friction_runtime.aligner import AlignedSample
 from friction_runtime.messages import speed_is_known, to_nanoseconds
@@ -24,6 +26,16 @@ _TEXTS: Final = 20
 """Changes of the reason of a slip that are kept: a sample waits for its inputs far less long."""
 _CONSISTENT: Final = 0.02
 """[-] by which a slip may differ from that of the speeds in its message."""
+_ESTIMATES: dict[int, Estimate] = {
+    Reason.OK: Estimate.VALID,
+    Reason.UNKNOWN_CAR: Estimate.VALID,
+    Reason.PEAK_NOT_PASSED: Estimate.VAGUE,
+    Reason.UNCERTAIN: Estimate.VAGUE,
+    Reason.NO_EXCITATION: Estimate.QUIET,
+    Reason.LOW_SPEED: Estimate.QUIET,
+}
+_OF_THE_TYRE = "car"
+"""Method whose friction is that of the tyre."""
 Reading = tuple[int, tuple[float, ...]]
 
 
@@ -160,3 +172,35 @@ class WheelInputs:
 def _flagged(value: float) -> tuple[float, float]:
     """Return a value and whether it is known, for the aligner."""
     return (value, 1.0) if isfinite(value) else (0.0, 0.0)
+
+
+def curve_report(message: FrictionCurve) -> CurveReport:
+    """Return what a message says; one whose parameters are no curve says that there is none."""
+    estimate = _ESTIMATES.get(message.validity.reason, Estimate.NONE)
+    curve = None
+    if estimate in (Estimate.VALID, Estimate.VAGUE):
+        try:
+            curve = _curve(message)
+        except ValueError:
+            estimate = Estimate.NONE
+    return CurveReport(
+        to_nanoseconds(message.header.stamp),
+        estimate,
+        curve,
+        message.lambda_max_stddev,
+        message.probability_beyond_peak,
+        message.samples,
+        message.restarts,
+        message.method == _OF_THE_TYRE,
+    )
+
+
+def _curve(message: FrictionCurve) -> RoadCurve:
+    if isnan(message.theta_1):
+        # A method may know the peak by another family than Burckhardt's, and its height not yet.
+        mu_max = message.mu_max
+        if not isfinite(mu_max):
+            share = curve_through(message.lambda_max, 1.0).friction(message.slip)
+            mu_max = message.mu / share if share > 0.0 else nan
+        return curve_through(message.lambda_max, mu_max)
+    return RoadCurve(message.theta_1, message.theta_2, message.theta_3, message.lambda_max)
