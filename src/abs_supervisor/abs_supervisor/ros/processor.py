@@ -10,8 +10,8 @@ from std_msgs.msg import Header
 from abs_supervisor.axle import Axle, axles
 from abs_supervisor.parameters import CURVE, SupervisorParameters, TorqueWithHysteresis
 from abs_supervisor.ros.input_watch import InputWatch, Loss
-from abs_supervisor.ros.reports import BrakingLog, state_messages
-from abs_supervisor.ros.wheel_inputs import IMU, WheelInputs, curve_report
+from abs_supervisor.ros.reports import BrakingLog, diagnostic_values, state_messages
+from abs_supervisor.ros.wheel_inputs import BRAKE_DEMAND, IMU, WheelInputs, curve_report
 from abs_supervisor.speed_probe import SpeedProbe
 from abs_supervisor.state_machine import COMMANDS, Cause, State, StateMachine
 from abs_supervisor.wheel_supervisor import WheelSupervisor
@@ -27,7 +27,6 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import REAR, Vehicle
 
-BRAKE_DEMAND: Final = "brake_demand"
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
 """Reasons that belong to ordinary driving."""
 _MISMATCH = Reason.PRESSURE_MISMATCH
@@ -153,8 +152,8 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         return message
 
     def _take(self, topic: str, message: Any) -> str | None:
-        if topic == BRAKE_DEMAND:
-            return self._offer_demand(message)
+        if topic == BRAKE_DEMAND and message.wheel not in ("", self._wheel):
+            return None
         if topic == self._inputs.curve:
             report = curve_report(message)
             counts_from = self._supervisor.curve.put(report) if report.stamp > 0 else 0
@@ -165,7 +164,10 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         stamp, values = read
         if self._inputs.knows_wheel(topic, values):
             self._note(topic, message)
-        return self._offer(topic, stamp, values)
+        refusal = self._aligner.offer(topic, stamp, values)
+        if refusal is None and topic == self._demand:
+            self._held = (stamp, values[0])
+        return refusal
 
     def _note(self, topic: str, message: Any) -> None:
         """Note for the watch of the inputs, if there is one, that the content of a message is good."""
@@ -203,36 +205,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         return level, self._text or self._machine.state.name
 
     def _values(self) -> dict[str, str]:
-        machine, counts = self._machine, self._machine.counts
-        return {
-            "state": machine.state.name,
-            "cause of the last transition": machine.cause.name.lower(),
-            "transitions": str(counts.transitions),
-            "instabilities": str(counts.instabilities),
-            "recoveries": str(counts.recoveries),
-            "release time-outs": str(counts.release_timeouts),
-            "fail-safes": str(counts.fail_safes),
-            "intervention": self._supervisor.intervention.phase.name,
-            "refused releases": str(self._supervisor.intervention.refused),
-            "limited releases": str(self._supervisor.intervention.limited),
-            "unchecked": self._supervisor.unchecked,
-            "shadow": str(self._p.shadow).lower(),
-        }
-
-    def _offer_demand(self, message: BrakeDemand) -> str | None:
-        if message.wheel not in ("", self._wheel):
-            return None
-        torque = self._inputs.brake.torque(BRAKE_DEMAND, message.pressure)
-        if isinstance(torque, str):
-            return torque
-        self._note(BRAKE_DEMAND, message)
-        return self._offer(BRAKE_DEMAND, to_nanoseconds(message.header.stamp), (torque,))
-
-    def _offer(self, topic: str, stamp: int, values: tuple[float, ...]) -> str | None:
-        refusal = self._aligner.offer(topic, stamp, values)
-        if refusal is None and topic == self._demand:
-            self._held = (stamp, values[0])
-        return refusal
+        return {**diagnostic_values(self._machine, self._supervisor), "shadow": str(self._p.shadow).lower()}
 
     def _fire(self, sample: AlignedSample[SlopeVote]) -> list[Output]:
         vote = sample.payload

@@ -1,4 +1,4 @@
-"""Reports of one wheel: its state as messages, and a log of each braking."""
+"""Reports of one wheel: its state as messages and for diagnostics, and a log of each braking."""
 
 from friction_msgs.msg import SupervisorDebug, SupervisorState
 from std_msgs.msg import Header
@@ -35,6 +35,24 @@ def state_messages(
     debug.recoveries, debug.release_timeouts = counts.recoveries, counts.release_timeouts
     debug.fail_safes, debug.limited_releases = counts.fail_safes, intervention.limited
     return state, debug
+
+
+def diagnostic_values(machine: StateMachine, supervisor: WheelSupervisor) -> dict[str, str]:
+    """Return what the diagnostics of a wheel show."""
+    counts, intervention = machine.counts, supervisor.intervention
+    return {
+        "state": machine.state.name,
+        "cause of the last transition": machine.cause.name.lower(),
+        "transitions": str(counts.transitions),
+        "instabilities": str(counts.instabilities),
+        "recoveries": str(counts.recoveries),
+        "release time-outs": str(counts.release_timeouts),
+        "fail-safes": str(counts.fail_safes),
+        "intervention": intervention.phase.name,
+        "refused releases": str(intervention.refused),
+        "limited releases": str(intervention.limited),
+        "unchecked": supervisor.unchecked,
+    }
 
 
 class BrakingLog:

@@ -21,6 +21,7 @@ from vehicle_models.physical_bounds import HIGHEST_SLIP
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
+BRAKE_DEMAND: Final = "brake_demand"
 IMU: Final = "imu/data"
 _TEXTS: Final = 20
 """Changes of the reason of a slip that are kept: a sample waits for its inputs far less long."""
@@ -77,6 +78,9 @@ class WheelInputs:
             read = self.brake.read(message)
             return read if isinstance(read, str) else (read[0], (read[1],))
         stamp = to_nanoseconds(message.header.stamp)
+        if topic == BRAKE_DEMAND:
+            torque = self.brake.torque(topic, message.pressure)
+            return torque if isinstance(torque, str) else (stamp, (torque,))
         if topic == IMU:
             lateral = float(getattr(message.linear_acceleration, self._across))
             turns = abs(lateral) > CURVE_LATERAL or abs(message.angular_velocity.z) > CURVE_YAW_RATE
