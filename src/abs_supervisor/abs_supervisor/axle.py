@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from math import inf, isfinite
 from typing import Final
 
+from abs_supervisor.brake_model import BAND
+from abs_supervisor.measurements import GAP
 from vehicle_models.brake_actuator import Command
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import FRONT, REAR, Vehicle
@@ -19,10 +21,8 @@ NO_AXLE: Final = "none"
 SELECT_LOW: Final = (NO_AXLE, FRONT, REAR)
 """Values of the parameter."""
 _OLDER: Final = round(0.01 * NANOSECONDS)
-_OLDEST: Final = round(0.05 * NANOSECONDS)
-"""[ns] an older pressure says nothing: the other wheel is not heard of any more."""
-_BAND: Final = 20.0
-"""[N m] a smaller difference is none."""
+_OLDEST: Final = round(GAP * NANOSECONDS)
+"""[ns] an older pressure does not count: the other wheel is not heard of any more."""
 
 
 class _Side:
@@ -88,9 +88,9 @@ class Axle:
                 lower = told if told_at >= stamp - _OLDEST else inf
         growth = 0.0 if select_low else self._growth
         excess = torque - lower - growth * (stamp - other.released_at) / NANOSECONDS
-        if select_low and excess > 2.0 * _BAND:
+        if select_low and excess > 2.0 * BAND:
             return Command.DECREASE
-        return Command.HOLD if excess > _BAND else Command.INCREASE
+        return Command.HOLD if excess > BAND else Command.INCREASE
 
 
 def axles(vehicle: Vehicle, select_low: str) -> Mapping[str, Axle]:

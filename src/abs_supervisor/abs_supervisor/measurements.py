@@ -2,7 +2,10 @@
 
 from collections.abc import Sequence
 from math import nan
-from typing import NamedTuple
+from typing import Final, NamedTuple
+
+GAP: Final = 0.05
+"""[s] after a longer gap between samples what is followed begins anew."""
 
 
 class Measurements(NamedTuple):

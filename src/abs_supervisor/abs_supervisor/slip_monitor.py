@@ -9,7 +9,7 @@ with them: beyond its peak a wheel loses speed although its brake does not rise;
 from math import isfinite, nan, sqrt
 from typing import Final
 
-from abs_supervisor.measurements import Measurements
+from abs_supervisor.measurements import GAP, Measurements
 from abs_supervisor.reference_speed import ReferenceSpeed
 from friction_runtime.filters import Debounce, SlidingWindow
 from sensor_monitor.signal_noise import SignalNoise
@@ -34,19 +34,9 @@ HOLD_SLIP: Final = 0.14
 # Errors
 WHEEL_NOISE, LEAST_NOISE = 0.07, 0.02
 """[rad/s] of the wheel speed of section 8.3.2; no encoder is better than the second."""
-NOISY: Final = 1.5
-"""Of WHEEL_NOISE: the estimator of the curve is not made for more."""
-BIASED_SLIP: Final = 0.007
-"""[-] of a wheel that rolls freely: as above."""
-BIAS_TIME: Final = 0.3
-"""[s] over which the slip of a wheel that rolls freely is averaged."""
-ACCELEROMETER_ERROR: Final = 2.5
-"""[m/s^2]"""
 # The wheel's own motion
 SMOOTH: Final = 0.015
 """[s] over which wheel speed and brake torque are averaged."""
-GAP: Final = 0.1
-"""[s] after a longer gap the motion begins anew."""
 DIVERGES: Final = 5.0
 """[m/s^2] by which a wheel beyond its peak loses more speed than its car."""
 TORQUE_STEP, TORQUE_RATIO = 5.0, 0.02
@@ -60,12 +50,6 @@ FALLS: Final = 0.05
 """[-] of it by which a wheel falls behind that is at its peak."""
 FORGETS: Final = 0.3
 """[m/s^2] by which the wheel's own speed is carried on faster than its car slows down: errors fade."""
-LOST: Final = 0.2
-"""[m/s] that a wheel has lost against its car: far more than its noise."""
-FOLLOWS, FOLLOWS_TIME = 3.0, 0.1
-"""[m/s^2] and [s]: a wheel that decelerates like its car for so long keeps its slip."""
-DIVES: Final = 12.75
-"""[m/s^2] deceleration of a wheel that locks."""
 RECOVERS: Final = 2.0
 """[m/s^2] acceleration of a wheel that comes back."""
 BACK: Final = 0.15
@@ -81,19 +65,19 @@ class SlipMonitor:
         self._noise = SignalNoise(WHEEL_NOISE**2, LEAST_NOISE**2)
         self._own = SlowestCar()
         self._proof, self._hard = Debounce(PROOF_TIME * NANOSECONDS), Debounce(PROOF_TIME * NANOSECONDS)
-        self._follows, self._still = Debounce(FOLLOWS_TIME * NANOSECONDS), Debounce(STILL * NANOSECONDS)
+        self._still = Debounce(STILL * NANOSECONDS)
         self._beyond: SlidingWindow[float] = SlidingWindow(STILL * NANOSECONDS)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
-        for each in (self._noise, self._own, self._proof, self._hard, self._follows, self._still):
+        for each in (self._noise, self._own, self._proof, self._hard, self._still):
             each.reset()
         self._beyond.clear()
         self._stamp = 0
         self._rim = self._carried = self._torque = nan
-        self._lost = self._bias = self._gain = 0.0
-        self._slides, self._dived, self._slipped = True, False, False
+        self._gain = 0.0
+        self._dived = self._slipped = False
         self.deceleration = nan
         """[m/s^2] of the wheel's circumference."""
         self.threshold = nan
@@ -122,7 +106,6 @@ class SlipMonitor:
         car: ReferenceSpeed,
         lambda_max: float,
         lambda_max_stddev: float,
-        braked: bool,
     ) -> None:
         """Take a sample.
 
@@ -132,35 +115,31 @@ class SlipMonitor:
             car: at the same stamp.
             lambda_max: of the friction curve [-], NaN where none is known.
             lambda_max_stddev: [-].
-            braked: whether the brake acts, or the driver demands it.
         """
         dt = (stamp - self._stamp) / NANOSECONDS
         self._stamp = stamp
         rim = self._radius * measured.wheel_speed
         hardest = car.deceleration if 0.0 <= car.deceleration <= HARDEST_BRAKING else HARDEST_BRAKING
-        still = self._still.update(stamp, not self._move(rim, measured.torque, dt, car.deceleration, hardest))
+        still = self._still.update(stamp, not self._move(rim, measured.torque, dt, hardest))
         self._noise.update(stamp, measured.wheel_speed)
         own = self._own.update(stamp, rim)
         lag = (own - rim) / own if own > max(rim, 0.5) else 0.0
         known, slip = isfinite(measured.slip), measured.slip
-        if known and not braked:
-            self._bias += (abs(slip) - self._bias) * min(dt / BIAS_TIME, 1.0)
-        stddev = self._limit(measured.slip_stddev, lambda_max, lambda_max_stddev)
-        self._trust(stamp, car, slip, own - rim, hardest)
+        stddev = measured.slip_stddev if isfinite(measured.slip_stddev) else 0.0
+        self._limit(stddev, lambda_max, lambda_max_stddev)
         # What the wheel speeds alone allow.
         least = max(lag, car.behind) if isfinite(car.behind) else lag
-        proven = max(slip - SIGMAS * stddev if known and self._slides else 0.0, least)
+        proven = max(slip - SIGMAS * stddev if known else 0.0, least)
         noise = sqrt(self._noise.variance)
         fall = 1.0 - self._rim / self._carried if self._carried > 0.5 else 0.0
         self.falls = fall > FALLS + SIGMAS * 0.5 * noise * self._radius / max(rim, 1.0)
         beyond = self.deceleration - hardest
         self._beyond.append(stamp, beyond)
-        diverges = beyond > DIVERGES and noise < NOISY * WHEEL_NOISE
-        lasts = diverges and still and beyond > LASTING * next(iter(self._beyond))[1]
+        lasts = still and beyond > max(DIVERGES, LASTING * next(iter(self._beyond))[1])
         shows = proven > self.threshold
         witnessed = lasts or fall > FELL or least > SLIP_WITHOUT_CURVE
         error = SIGMAS * noise * self._radius / SMOOTH
-        hard = self.deceleration > DIVES + error and lag > LEAST_SLIP and (lasts or lag > SLIP_WITHOUT_CURVE)
+        hard = self.deceleration > HARDEST_BRAKING + error and lag > LEAST_SLIP and (lasts or lag > SLIP_WITHOUT_CURVE)
         self._dive(known, self._hard.update(stamp, hard), lag, error)
         self.recovers = self.deceleration < -RECOVERS
         goes_on = self.proven and shows and not self.recovers
@@ -168,41 +147,27 @@ class SlipMonitor:
         self.possible = not known or slip + stddev > min(self.threshold, HOLD_SLIP)
         self.slips = known and slip > self.threshold
         self.deep = self._dived or (known and slip > DEEP * self.threshold)
-        self.dives = self._dived or (known and slip > 0.5 * self.threshold and self.deceleration > DIVES)
+        self.dives = self._dived or (known and slip > 0.5 * self.threshold and self.deceleration > HARDEST_BRAKING)
 
-    def _move(self, rim: float, torque: float, dt: float, deceleration: float, hardest: float) -> bool:
+    def _move(self, rim: float, torque: float, dt: float, hardest: float) -> bool:
         """Follow the wheel's own motion; return whether its brake rises."""
         before = self._rim
         if not isfinite(before) or dt > GAP:
-            self._rim, self.deceleration, self._lost, self._carried, self._torque = rim, 0.0, 0.0, rim, torque
+            self._rim, self.deceleration, self._carried, self._torque = rim, 0.0, rim, torque
             return True
         share = min(dt / SMOOTH, 1.0)
         self._rim += (rim - before) * share
         self.deceleration = (before - self._rim) / dt
         self._carried = max(self._carried - (hardest + FORGETS) * dt, self._rim)
-        beyond = self.deceleration - deceleration - ACCELEROMETER_ERROR
-        self._lost = max(self._lost + beyond * dt, 0.0) if isfinite(beyond) else 0.0
         self._torque = torque if not isfinite(self._torque) else self._torque + (torque - self._torque) * share
         return not torque - self._torque < TORQUE_STEP + TORQUE_RATIO * torque
 
-    def _limit(self, slip_stddev: float, lambda_max: float, lambda_max_stddev: float) -> float:
-        """Set the thresholds; return the standard deviation of the slip."""
-        stddev = sqrt((slip_stddev**2 if isfinite(slip_stddev) else 0.0) + self._bias**2)
+    def _limit(self, stddev: float, lambda_max: float, lambda_max_stddev: float) -> None:
+        """Set the thresholds, for a standard deviation of the slip [-]."""
         self.threshold = SLIP_WITHOUT_CURVE
-        fits = self._noise.variance < (NOISY * WHEEL_NOISE) ** 2 and self._bias < BIASED_SLIP
-        if isfinite(lambda_max) and fits:
-            doubt = lambda_max_stddev if isfinite(lambda_max_stddev) else 0.0
-            self.threshold = min(max(CURVE_RATIO * (lambda_max + doubt), LEAST_SLIP), SLIP_WITHOUT_CURVE)
+        if isfinite(lambda_max):
+            self.threshold = min(max(CURVE_RATIO * (lambda_max + lambda_max_stddev), LEAST_SLIP), SLIP_WITHOUT_CURVE)
         self.release_slip = self.threshold + SIGMAS * stddev
-        return stddev
-
-    def _trust(self, stamp: int, car: ReferenceSpeed, slip: float, behind: float, hardest: float) -> None:
-        """See whether the slip may be an error of the speed: wheels turn alike, and none fell more than its car."""
-        steady = self._follows.update(stamp, abs(self.deceleration - hardest) < FOLLOWS)
-        if not car.alike or max(behind, self._lost) > LOST:
-            self._slides = True
-        elif steady or slip < LEAST_SLIP:
-            self._slides = False
 
     def _dive(self, known: bool, hard: bool, lag: float, error: float) -> None:
         """See whether a wheel of unknown slip dives, or has dived and is not back; its acceleration errs by `error`."""
