@@ -26,7 +26,7 @@ _OLDEST: Final = round(GAP * NANOSECONDS)
 
 
 class _Side:
-    """What one of the two has said."""
+    """Torques of one of the two, and its first release."""
 
     def __init__(self) -> None:
         self.torques: deque[tuple[int, float]] = deque()
@@ -49,7 +49,7 @@ class Axle:
         self._select_low, self._growth = select_low, growth
 
     def forget(self, wheel: str) -> None:
-        """Forget what a wheel has said."""
+        """Forget a wheel."""
         self._sides[wheel] = _Side()
 
     def note(self, wheel: str, stamp: int, torque: float, command: Command, released: bool) -> None:
@@ -83,9 +83,9 @@ class Axle:
         if other.released_at is None:
             return Command.INCREASE
         lower = inf
-        for told_at, told in other.torques:
-            if told_at <= stamp - _OLDER:
-                lower = told if told_at >= stamp - _OLDEST else inf
+        for at, known in other.torques:
+            if at <= stamp - _OLDER:
+                lower = known if at >= stamp - _OLDEST else inf
         growth = 0.0 if select_low else self._growth
         excess = torque - lower - growth * (stamp - other.released_at) / NANOSECONDS
         if select_low and excess > 2.0 * BAND:

@@ -8,7 +8,7 @@ all of them wrong, and the true one least. What is left is the plausibility of t
 
 from collections import deque
 from math import isfinite, nan
-from typing import Final
+from typing import Final, NamedTuple
 
 from friction_runtime.filters import Debounce, SlidingWindow
 from vehicle_models.brake_actuator import ActuatorParameters, Command
@@ -27,7 +27,7 @@ DELAY_MEMORY: Final = 100.0
 """Samples with a change of torque, after which what was seen counts e times less."""
 TORQUE_NOISE: Final = 5.0
 """[N m] of a change from one sample to the next: no sensor is better."""
-SURE: Final = 12.0
+LOG_LIKELIHOOD: Final = 12.0
 """Logarithm of the likelihood ratio from which another delay is adopted."""
 EXPLAINED: Final = 0.5
 """[-] of the squared changes of torque that the best delay leaves at most: else the brake does not follow at all."""
@@ -44,13 +44,10 @@ CLEAN: Final = 1.0
 """[s] without deviation after which the pressure counts as right again."""
 
 
-class _Order:
-    __slots__ = ("begins", "command", "demand")
-
-    def __init__(self, begins: int, command: Command, demand: float) -> None:
-        self.begins = begins
-        self.command = command
-        self.demand = demand
+class _Order(NamedTuple):
+    begins: int
+    command: Command
+    demand: float
 
 
 class BrakeModel:
@@ -140,9 +137,9 @@ class BrakeModel:
             wrong = torque - expected[k]
             self._squares[k] = kept * self._squares[k] + wrong * wrong
         least = min(self._squares)
-        sure = 2.0 * SURE * max(least / self._counted, TORQUE_NOISE * TORQUE_NOISE)
-        follows = self._changes > sure and least < EXPLAINED * self._changes
-        if follows and self._squares[steps.index(self.late)] - least > sure:
+        margin = 2.0 * LOG_LIKELIHOOD * max(least / self._counted, TORQUE_NOISE * TORQUE_NOISE)
+        follows = self._changes > margin and least < EXPLAINED * self._changes
+        if follows and self._squares[steps.index(self.late)] - least > margin:
             self.late = steps[self._squares.index(least)]
 
     def _judge(self, before: int, stamp: int, torque: float) -> None:

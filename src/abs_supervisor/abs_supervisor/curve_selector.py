@@ -21,8 +21,9 @@ _UNCERTAIN: Final = 0.25
 """[-] standard deviation over lambda_max: above, a fit replaces only one that is less certain."""
 _ALIKE: Final = 1.25
 """[-] ratio of the friction of two curves at one slip, up to which they may be of one road."""
-_KEPT: Final = round(0.15 * NANOSECONDS)
-"""[ns] for which the last curve serves when the estimator has none for another reason than that nothing moves."""
+CURVE_KEPT: Final = round(0.15 * NANOSECONDS)
+"""[ns] for which a braking waits for its first curve, and for which the last one serves when the estimator has none for
+another reason than that nothing moves."""
 
 
 class Estimate(Enum):
@@ -124,7 +125,7 @@ class CurveSelector:
         if report.estimate is Estimate.QUIET:
             self._since = report.stamp
         elif curve is None or report.samples < _FEWEST:
-            if report.stamp - self._since > _KEPT:
+            if report.stamp - self._since > CURVE_KEPT:
                 self.curve = None
         else:
             first, anew = self.curve is None, report.restarts != self._restarts

@@ -21,8 +21,6 @@ from vehicle_models.vehicle import CornerParameters
 # The torque that the road gives
 FLOOR: Final = 0.9
 """[-] of it: a tyre that slides gives 0.7 to 0.9 of the torque at its peak."""
-TRIM: Final = 0.95
-"""[-] of it: a wheel that is at its peak comes back from there."""
 MEMORY: Final = 60.0
 """[m] for which it counts."""
 PROBE, PROBED = 0.3, 0.4
@@ -148,7 +146,7 @@ class Intervention:
             self.release = Release.SPEED_PROBE
             return Command.HOLD if coming <= PROBE * self.road_torque else Command.DECREASE
         if self._wanted:
-            self.release = self._verdict(slip, torque, coming)
+            self.release = self._verdict(slip, coming)
             if self.release is not Release.REFUSED:
                 return self._lower(dt, slip, torque)
             self.refused += begins
@@ -166,12 +164,12 @@ class Intervention:
     def _is_near(self, torque: float) -> bool:
         return torque >= FLOOR * self.road_torque
 
-    def _verdict(self, slip: SlipMonitor, torque: float, coming: float) -> Release:
+    def _verdict(self, slip: SlipMonitor, coming: float) -> Release:
         if self.phase is Phase.STANDBY:
             return Release.REFUSED
         if slip.proven:
             return Release.BY_SLIP
-        trims = self._is_near(coming) and (self._trims or (slip.falls and torque >= TRIM * self.road_torque))
+        trims = self._is_near(coming) and (self._trims or slip.falls)
         return Release.BY_ROAD_TORQUE if trims else Release.REFUSED
 
     def _remember(self, slip: SlipMonitor, way: float, torque: float) -> None:

@@ -10,6 +10,7 @@ were measured with growing slip, and S22 for those with falling slip. Otherwise 
 peak, to which a release time-out has given pressure again, would at once be released again.
 """
 
+from collections import Counter
 from dataclasses import dataclass
 from enum import IntEnum
 from math import isfinite, nan
@@ -138,17 +139,6 @@ def transition(state: State, inputs: Inputs, time_in_state: float, thresholds: T
     return state, Cause.NONE
 
 
-@dataclass
-class Counts:
-    """Transitions since start or reset."""
-
-    transitions: int = 0
-    instabilities: int = 0
-    recoveries: int = 0
-    release_timeouts: int = 0
-    fail_safes: int = 0
-
-
 class StateMachine:
     """State machine of one wheel. `update` makes at most one transition per sample."""
 
@@ -169,7 +159,8 @@ class StateMachine:
         self.previous_state = State.S0
         self.cause = Cause.NONE
         """Cause of the last transition."""
-        self.counts = Counts()
+        self.counts: Counter[Cause] = Counter()
+        """Transitions since start or reset, by their cause."""
         self.transition_stamp = 0
         """Stamp of the last transition [ns]; 0 before the first."""
         self._unusable.reset()
@@ -209,9 +200,5 @@ class StateMachine:
         if state is self.state:
             return False
         self.previous_state, self.state, self.cause, self.transition_stamp = self.state, state, cause, stamp
-        self.counts.transitions += 1
-        self.counts.instabilities += cause is Cause.INSTABILITY
-        self.counts.recoveries += cause is Cause.STABILITY
-        self.counts.release_timeouts += cause is Cause.RELEASE_TIMEOUT
-        self.counts.fail_safes += cause is Cause.FAIL_SAFE
+        self.counts[cause] += 1
         return True

@@ -41,7 +41,6 @@ _CURVE_GAP: Final = 0.02
 """[s] curves of a tyre's blocks are further apart; nothing waits for these, as nobody knows when the next one comes."""
 _MAY_BE_LOCKED: Final = "speed known from this wheel only; it may be locked, ABS inactive"
 _DEGRADED: Final = "degraded: speed of the car from its wheels alone, select-low at the rear"
-_COUNTER_END: Final = 2**32
 _SHARED: Final = 3
 """Minimum wheel count for a speed probe."""
 
@@ -92,7 +91,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
             aligned.append(AlignedInput(IMU, optional=True))
         self._waits_for_curve = not in_real_time
         if self._waits_for_curve:
-            # Only the clock tells that the curve a sample speaks of has come: without it, it is waited for.
+            # Without the clock nothing shows that the curve of a sample has come: it is waited for.
             aligned.append(AlignedInput(inputs.curve, max_gap=_CURVE_GAP, optional=True))
         super().__init__(wheel, primary, aligned, parameters.deadline, optional=(inputs.curve, IMU))
         self._machine = StateMachine(parameters.thresholds, parameters.tolerance)
@@ -138,12 +137,12 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         self._command = Command.NONE
         return [] if self._p.shadow or self._stamp == 0 else [self._heartbeat(header_at(self._stamp, self._wheel))]
 
-    def _fail(self, loss: Loss, said: str) -> list[Output]:
+    def _fail(self, loss: Loss, text: str) -> list[Output]:
         """Go to S0 because of a loss; return the outputs if that is a transition."""
         self._reason, self._text = loss
         if self._stamp == 0 or not self._machine.fail(self._stamp):
             return []
-        self._log.note(self._machine, self._stamp, said)
+        self._log.note(self._machine, self._stamp, text)
         self._command = Command.NONE
         return self._outputs()
 
@@ -295,14 +294,10 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
     def _heartbeat(self, header: Header) -> Output:
         """Return the command that is in force, once more: a heartbeat."""
         self._commanded = True
-        self._counter = (self._counter + 1) % _COUNTER_END
-        command = BrakeCommand()
-        command.header = header
-        command.wheel = self._wheel
-        command.command = int(self._command)
-        command.counter = self._counter
-        command.valid_for = self._p.valid_for
-        return self._command_topic, sealed(command)
+        self._counter = (self._counter + 1) % 2**32  # uint32
+        command, counter, valid_for = int(self._command), self._counter, self._p.valid_for
+        message = BrakeCommand(header=header, wheel=self._wheel, command=command, counter=counter, valid_for=valid_for)
+        return self._command_topic, sealed(message)
 
 
 def build(parameters: SupervisorParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:

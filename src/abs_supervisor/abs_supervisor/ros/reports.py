@@ -31,9 +31,9 @@ def state_messages(
     debug.release_slip, debug.wheel_deceleration = slip.release_slip, slip.deceleration
     debug.road_torque = intervention.road_torque
     debug.torque_set_point, debug.disturbance_torque = controller.torque_set_point, supervisor.disturbance
-    debug.transitions, debug.instabilities = counts.transitions, counts.instabilities
-    debug.recoveries, debug.release_timeouts = counts.recoveries, counts.release_timeouts
-    debug.fail_safes, debug.limited_releases = counts.fail_safes, intervention.limited
+    debug.transitions, debug.instabilities = counts.total(), counts[Cause.INSTABILITY]
+    debug.recoveries, debug.release_timeouts = counts[Cause.STABILITY], counts[Cause.RELEASE_TIMEOUT]
+    debug.fail_safes, debug.limited_releases = counts[Cause.FAIL_SAFE], intervention.limited
     return state, debug
 
 
@@ -43,11 +43,11 @@ def diagnostic_values(machine: StateMachine, supervisor: WheelSupervisor) -> dic
     return {
         "state": machine.state.name,
         "cause of the last transition": machine.cause.name.lower(),
-        "transitions": str(counts.transitions),
-        "instabilities": str(counts.instabilities),
-        "recoveries": str(counts.recoveries),
-        "release time-outs": str(counts.release_timeouts),
-        "fail-safes": str(counts.fail_safes),
+        "transitions": str(counts.total()),
+        "instabilities": str(counts[Cause.INSTABILITY]),
+        "recoveries": str(counts[Cause.STABILITY]),
+        "release time-outs": str(counts[Cause.RELEASE_TIMEOUT]),
+        "fail-safes": str(counts[Cause.FAIL_SAFE]),
         "intervention": intervention.phase.name,
         "refused releases": str(intervention.refused),
         "limited releases": str(intervention.limited),
@@ -82,9 +82,9 @@ class BrakingLog:
         change = f"{machine.previous_state.name} -> {machine.state.name} at {seconds:.3f} s, cause {cause}"
         self._report("debug", f"{self._wheel}: {change}")
         if machine.previous_state is State.S0:
-            self._begun, self._releases_before = stamp, machine.counts.instabilities
+            self._begun, self._releases_before = stamp, machine.counts[Cause.INSTABILITY]
         elif machine.state is State.S0:
-            releases = machine.counts.instabilities - self._releases_before
+            releases = machine.counts[Cause.INSTABILITY] - self._releases_before
             self._report(
                 "info",
                 f"{self._wheel}: braked for {(stamp - self._begun) / NANOSECONDS:.2f} s, "

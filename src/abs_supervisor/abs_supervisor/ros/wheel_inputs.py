@@ -46,7 +46,7 @@ class WheelInputs:
     def __init__(self, wheel: str, vehicle: Vehicle, report: Report, fine: bool) -> None:
         """Choose a wheel of the car; messages without its speed go to `report`.
 
-        With `fine`, as slip control needs it, a slip that wheel_slip is not sure of counts with its standard deviation,
+        With `fine`, as slip control needs it, an uncertain slip counts with its standard deviation,
         and the motion of the car in a curve is read.
         """
         self._fine = fine
@@ -89,29 +89,27 @@ class WheelInputs:
             speeds = self._all.read(message)
             if not isfinite(speeds[self._index]):
                 self._own.read(message)  # reports why
-            flagged: list[float] = []
-            for speed in speeds:
-                flagged.extend(_flagged(speed))
-            return stamp, tuple(flagged)
-        slip, stddev = message.slip, message.slip_stddev
+            return stamp, tuple(each for speed in speeds for each in _flagged(speed))
+        slip, stddev, speed = message.slip, message.slip_stddev, message.vehicle_speed
+        turns = self._radii[self._index] * message.wheel_speed / speed if speed > 0.0 else nan
         if not message.validity.valid:
             self._keep_text(stamp, message.validity.text)
-            slip, stddev = nan, nan
-            if self._fine and message.validity.reason == Reason.UNCERTAIN:
-                slip, stddev = self._uncertain(message)
-        elif self._contradicts_itself(message):
+            slip = nan
+            uncertain = self._fine and message.validity.reason == Reason.UNCERTAIN
+            if uncertain and speed > 0.0 and speed_is_known(message):  # here its error is weighed
+                slip, stddev = 1.0 - turns, message.vehicle_speed_stddev * abs(turns / speed)
+        elif abs(1.0 - turns - slip) > _CONSISTENT:
             self._keep_text(stamp, f"{slip:.3f} contradicts the speeds in the same message")
-            slip, stddev = nan, nan
+            slip = nan
         known = abs(slip) <= HIGHEST_SLIP and 0.0 <= stddev < inf
+        car = _flagged(speed if speed_is_known(message) else nan)
+        doubt = message.vehicle_speed_stddev if car[1] and message.vehicle_speed_stddev < inf else 0.0
         measured = float(message.speed_measured)
         inertial = float(message.speed_measured or not isnan(message.accelerometer_wrong_probability))
-        flagged_slip = _flagged(slip if known else nan)
-        car = _flagged(message.vehicle_speed if speed_is_known(message) else nan)
-        doubt = message.vehicle_speed_stddev if car[1] and message.vehicle_speed_stddev < inf else 0.0
-        return stamp, (*flagged_slip, stddev if known else 0.0, *car, measured, inertial, doubt)
+        return stamp, (*_flagged(slip if known else nan), stddev if known else 0.0, *car, measured, inertial, doubt)
 
     def _keep_text(self, stamp: int, text: str) -> None:
-        """Keep why a slip is not valid, from a stamp [ns] on: a sample is told what holds for it, not the last."""
+        """Keep why a slip is not valid, from a stamp [ns] on: a sample gets what holds for it, not the last."""
         if self._slip_texts and stamp < self._slip_texts[-1][0]:
             self._slip_texts.clear()
         if not self._slip_texts or self._slip_texts[-1][1] != text:
@@ -122,20 +120,6 @@ class WheelInputs:
             if since <= stamp:
                 return text or "not valid"
         return "not valid"
-
-    def _contradicts_itself(self, message: WheelSlip) -> bool:
-        """Whether slip is not that of the speeds beside it."""
-        speed = message.vehicle_speed
-        by_speeds = 1.0 - self._radii[self._index] * message.wheel_speed / speed if speed > 0.0 else nan
-        return abs(message.slip - by_speeds) > _CONSISTENT
-
-    def _uncertain(self, message: WheelSlip) -> tuple[float, float]:
-        """Return slip [-] and its standard deviation where wheel_slip is not sure of it: here its error is weighed."""
-        speed, radius = message.vehicle_speed, self._radii[self._index]
-        if not (speed_is_known(message) and speed > 0.0):
-            return nan, nan
-        share = radius * message.wheel_speed / speed
-        return 1.0 - share, message.vehicle_speed_stddev * abs(share / speed)
 
     def knows_wheel(self, topic: str, values: tuple[float, ...]) -> bool:
         """Whether the values that were read from a topic say something of this wheel: its own speed may be missing."""
@@ -179,7 +163,7 @@ def _flagged(value: float) -> tuple[float, float]:
 
 
 def curve_report(message: FrictionCurve) -> CurveReport:
-    """Return what a message says; one whose parameters are no curve says that there is none."""
+    """Return the report of a message: without a curve where its parameters are none."""
     estimate = _ESTIMATES.get(message.validity.reason, Estimate.NONE)
     curve = None
     if estimate in (Estimate.VALID, Estimate.VAGUE):
