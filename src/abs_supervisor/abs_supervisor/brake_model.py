@@ -33,11 +33,9 @@ EXPLAINED: Final = 0.5
 """[-] of the squared changes of torque that the best delay leaves at most: else the brake does not follow at all."""
 # Plausibility of the pressure
 LATE: Final = 0.025
-"""[s] by which a pressure may be later than the delay of the hydraulics."""
+"""[s] by which a pressure may be later than the delay of the hydraulics, and for which a deviation must last."""
 RATIO, OFFSET = 0.2, 12.0
 """[-] of the expected torque and [N m] by which it may be wrong."""
-LASTS: Final = 0.025
-"""[s] of a deviation."""
 FORGETS: Final = 0.25
 """[s] in which the model follows a pressure that is right: a command that came late to the brake is not remembered."""
 CLEAN: Final = 1.0
@@ -59,7 +57,7 @@ class BrakeModel:
         self.delay = round(actuator.delay * NANOSECONDS)
         """[ns] of the hydraulics as stated."""
         self._window: SlidingWindow[float] = SlidingWindow(LATE * NANOSECONDS)
-        self._wrong = Debounce(LASTS * NANOSECONDS)
+        self._wrong = Debounce(LATE * NANOSECONDS)
         self.reset()
 
     def reset(self) -> None:

@@ -34,6 +34,8 @@ HOLD_SLIP: Final = 0.14
 # Errors
 WHEEL_NOISE, LEAST_NOISE = 0.07, 0.02
 """[rad/s] of the wheel speed of section 8.3.2; no encoder is better than the second."""
+NOISY: Final = 1.5
+"""[-] of WHEEL_NOISE, from which on neither the curve nor the motion of a wheel is evidence: ripple of its encoder."""
 # The wheel's own motion
 SMOOTH: Final = 0.015
 """[s] over which wheel speed and brake torque are averaged."""
@@ -126,16 +128,17 @@ class SlipMonitor:
         lag = (own - rim) / own if own > max(rim, 0.5) else 0.0
         known, slip = isfinite(measured.slip), measured.slip
         stddev = measured.slip_stddev if isfinite(measured.slip_stddev) else 0.0
-        self._limit(stddev, lambda_max, lambda_max_stddev)
+        noise = sqrt(self._noise.variance)
+        quiet = noise < NOISY * WHEEL_NOISE
+        self._limit(stddev, lambda_max if quiet else nan, lambda_max_stddev)
         # What the wheel speeds alone allow.
         least = max(lag, car.behind) if isfinite(car.behind) else lag
         proven = max(slip - SIGMAS * stddev if known else 0.0, least)
-        noise = sqrt(self._noise.variance)
         fall = 1.0 - self._rim / self._carried if self._carried > 0.5 else 0.0
         self.falls = fall > FALLS + SIGMAS * 0.5 * noise * self._radius / max(rim, 1.0)
         beyond = self.deceleration - hardest
         self._beyond.append(stamp, beyond)
-        lasts = still and beyond > max(DIVERGES, LASTING * next(iter(self._beyond))[1])
+        lasts = quiet and still and beyond > max(DIVERGES, LASTING * next(iter(self._beyond))[1])
         shows = proven > self.threshold
         witnessed = lasts or fall > FELL or least > SLIP_WITHOUT_CURVE
         error = SIGMAS * noise * self._radius / SMOOTH
