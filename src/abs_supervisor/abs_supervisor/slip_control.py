@@ -7,11 +7,12 @@ that ends as fast as the brake can.
 from math import inf, isfinite, nan, sqrt
 from typing import Final
 
-from abs_supervisor.brake_model import BAND, BrakeModel
+from abs_supervisor.brake_model import BAND, LONGEST_STEP, BrakeModel
 from abs_supervisor.measurements import Measurements
 from abs_supervisor.road_curve import RoadCurve
 from abs_supervisor.wheel_observer import WheelObserver, WheelState
 from vehicle_models.brake_actuator import ActuatorParameters, Command
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import CornerParameters
 
 # Slip set-point, as a share of lambda_max
@@ -28,8 +29,15 @@ FAR: Final = 2.0
 """[-] of the set-point: slip that is far beyond."""
 RETURN: Final = 0.2
 """[-] of the torque at the set-point by which the torque stays below that of the road, far beyond the peak."""
-END: Final = 5.0
-"""[m/s] below which the torque stays below that of the peak."""
+TAPER, TAPER_END, TAPER_SHARE = 5.0, 3.0, 0.96
+"""[m/s] from where on the torque stays below a share of that at the peak, which falls to TAPER_SHARE at TAPER_END."""
+# Disturbance torque
+SLOW_TIME, FIRST_TIME = 0.3, 0.05
+"""[s] of its slow part, and when it begins: the observer's own, in which its noise is averaged."""
+NOISE: Final = 0.25
+"""[-] of the torque at the set-point: a faster part up to this counts as noise."""
+NEAR: Final = 0.5
+"""[-] of the set-point: the slow part is learned while the slip is nearer to it."""
 
 
 class SlipController:
@@ -44,6 +52,8 @@ class SlipController:
     def reset(self) -> None:
         """Forget everything."""
         self._observer.reset()
+        self._stamp: int | None = None
+        self._dt = 0.0
         self.slip_set_point = self.torque_set_point = nan
         """[-] and [N m]; NaN while the law is not in force."""
         self.forget_disturbance()
@@ -51,6 +61,7 @@ class SlipController:
     def forget_disturbance(self) -> None:
         """Begin the disturbance anew: the curve is another one, or the braking is over."""
         self._observer.forget_disturbance()
+        self._slow, self._learned = 0.0, FIRST_TIME
 
     def set_load(self, load: float) -> None:
         """Take the load of the wheel [N], > 0, for a curve whose friction does not carry its change."""
@@ -71,6 +82,8 @@ class SlipController:
 
     def observe(self, stamp: int, measured: Measurements, curve: RoadCurve | None) -> None:
         """Take a sample at a stamp [ns], later than the last, on the road as it is known."""
+        self._dt = 0.0 if self._stamp is None else min((stamp - self._stamp) / NANOSECONDS, LONGEST_STEP)
+        self._stamp = stamp
         self.slip_set_point = self.torque_set_point = nan
         if isfinite(measured.car_speed):
             self._observer.update(stamp, measured.wheel_speed, measured.car_speed, measured.torque, curve)
@@ -86,12 +99,17 @@ class SlipController:
         """
         ahead = self._observer.ahead(curve)
         if not isfinite(slip):
-            aim = most_torque(self._corner, curve, self._observer.disturbance)
+            aim = most_torque(self._corner, curve, ahead.speed, self._slow)
             self.torque_set_point = min(aim, demand)
             asked = nearest_command(aim, ahead.torque, demand)
             return Command.HOLD if asked is Command.DECREASE else asked
         wanted = slip_set_point(curve, seen, ahead.speed)
-        aim = torque_set_point(self._corner, self._actuator, curve, ahead, wanted, self._observer.disturbance)
+        disturbance = self._observer.disturbance
+        if ahead.speed > TAPER and abs(slip - wanted) < NEAR * wanted:
+            self._learned = min(self._learned + self._dt, SLOW_TIME)
+            self._slow += (disturbance - self._slow) * min(self._dt / self._learned, 1.0)
+        followed = followed_disturbance(disturbance, self._slow, steady_torque(self._corner, curve, wanted))
+        aim = torque_set_point(self._corner, self._actuator, curve, ahead, wanted, followed, disturbance)
         self.slip_set_point, self.torque_set_point = wanted, min(aim, demand)
         return nearest_command(aim, ahead.torque, demand)
 
@@ -114,12 +132,24 @@ def steady_torque(corner: CornerParameters, curve: RoadCurve, slip: float) -> fl
     return corner.radius * corner.vertical_load * curve.friction(slip) + held
 
 
+def followed_disturbance(disturbance: float, slow: float, steady: float) -> float:
+    """Return the torque to follow [N m] of a disturbance and its slow part [N m]; `steady` is that at the set-point.
+
+    Continuous: nothing of a fast part below a quarter of `steady`, all of it above a half.
+    """
+    fast = disturbance - slow
+    size = abs(fast)
+    share = min(max(2.0 * (size - NOISE * steady), 0.0), size)
+    return slow + (share if fast > 0.0 else -share)
+
+
 def torque_set_point(
     corner: CornerParameters,
     actuator: ActuatorParameters,
     curve: RoadCurve,
     ahead: WheelState,
     slip: float,
+    followed: float,
     disturbance: float,
 ) -> float:
     """Return the brake torque [N m] to aim at, >= 0.
@@ -130,23 +160,29 @@ def torque_set_point(
         curve: the road.
         ahead: of wheel and brake when a command acts.
         slip: to hold [-].
-        disturbance: torque that the curve does not explain [N m].
+        followed: part of the disturbance torque that is followed [N m].
+        disturbance: all of it [N m].
     """
     steady = steady_torque(corner, curve, slip)
     wanted_speed = (1.0 - slip) * ahead.speed / corner.radius
     error = ahead.wheel_speed - wanted_speed
-    torque = max(steady + disturbance, 0.0) + corner.inertia * _approach(corner, actuator, error, ahead.speed)
+    torque = max(steady + followed, 0.0) + corner.inertia * _approach(corner, actuator, error, ahead.speed)
     if ahead.slip > FAR * slip:
         road = corner.radius * corner.vertical_load * curve.friction(ahead.slip)
         torque = min(torque, road + disturbance - RETURN * steady)
-    if ahead.speed < END:
-        torque = min(torque, most_torque(corner, curve, disturbance))
+    if ahead.speed < TAPER:
+        torque = min(torque, most_torque(corner, curve, ahead.speed, followed))
     return max(torque, 0.0)
 
 
-def most_torque(corner: CornerParameters, curve: RoadCurve, disturbance: float) -> float:
-    """Return the most brake torque [N m] near the end of a stop, for a disturbance torque [N m]."""
-    return steady_torque(corner, curve, curve.lambda_max) + min(disturbance, 0.0)
+def most_torque(corner: CornerParameters, curve: RoadCurve, speed: float, followed: float) -> float:
+    """Return the most brake torque [N m] near the end of a stop, at a speed of the car [m/s] up to 5 m/s.
+
+    A step at that speed would make a tyre with relaxation ring. `followed` [N m] as above.
+    """
+    peak = steady_torque(corner, curve, curve.lambda_max)
+    share = max((speed - TAPER_END) / (TAPER - TAPER_END), 0.0)
+    return (TAPER_SHARE + (1.0 - TAPER_SHARE) * share) * (peak + min(followed, 0.0))
 
 
 def _approach(corner: CornerParameters, actuator: ActuatorParameters, error: float, speed: float) -> float:

@@ -16,7 +16,7 @@ from abs_supervisor.intervention import Intervention, Release
 from abs_supervisor.measurements import Measurements
 from abs_supervisor.plausibility import Plausibility
 from abs_supervisor.reference_speed import ReferenceSpeed
-from abs_supervisor.slip_control import END, SlipController
+from abs_supervisor.slip_control import TAPER, SlipController
 from abs_supervisor.slip_monitor import SlipMonitor
 from abs_supervisor.speed_probe import SpeedProbe
 from vehicle_models.brake_actuator import ActuatorParameters, Command
@@ -148,9 +148,9 @@ class WheelSupervisor:
         curve = self.curve.curve
         self.controller.observe(stamp, measured, curve)
         known, speed = isfinite(measured.slip + measured.car_speed), measured.car_speed
-        if known and braking and curve is not None and speed > END:
+        if known and braking and curve is not None and speed > TAPER:
             self.arbitration.compare(stamp, self.controller.unexplained(curve))
-        slow = not known and speed < END
+        slow = not known and speed < TAPER
         law = self.arbitration.update(stamp, braking, known or slow, curve is not None)
         if not braking or law is not Law.CURVE or curve is None or not (known or slow):
             return otherwise  # what is missing may not be a reason to change the law yet
