@@ -8,6 +8,7 @@ from math import inf, isfinite, nan
 from typing import Final, NamedTuple
 
 from abs_supervisor.measurements import GAP, Measurements
+from abs_supervisor.reference_speed import WITNESSES
 from friction_runtime.filters import SlidingMaximum
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION, LOWEST_APPARENT_FRICTION
@@ -42,7 +43,7 @@ OPEN = Check(
 )
 FASTER = Check(
     "faster",
-    "braked, it turns 8 % faster than the car, which another wheel or a speed sensor supports",
+    "braked, it turns 8 % faster than the car, which two other wheels or a speed sensor support",
     0.06,
     "turns with {rim:.1f} m/s, braked, where the car has {car:.1f} m/s",
 )
@@ -203,7 +204,8 @@ class Plausibility:
         braked = not torque < BRAKED
         if braked or self._braked is None:
             self._braked = stamp
-        supported = isfinite(car) and (is_measured or any(abs(each - car) < FASTER_BY * car for each in others))
+        near = sum(abs(each - car) < FASTER_BY * car for each in others)  # one may be on its way to a lock
+        supported = isfinite(car) and (is_measured or near >= WITNESSES)
         backed = any(each > (1.0 - FASTER_BY) * rim for each in others)
         faster = torque >= BRAKED and supported and not backed and rim > (1.0 + FASTER_BY) * car + STANDS
         against = max(others) if others else car if is_measured else nan

@@ -6,7 +6,7 @@ a release in a braking that is none of a lock. So the first release of a braking
 with them: beyond its peak a wheel loses speed although its brake does not rise; before it, it keeps its slip.
 """
 
-from math import isfinite, nan, sqrt
+from math import hypot, isfinite, nan, sqrt
 from typing import Final
 
 from abs_supervisor.measurements import GAP, Measurements
@@ -36,6 +36,10 @@ WHEEL_NOISE, LEAST_NOISE = 0.07, 0.02
 """[rad/s] of the wheel speed of section 8.3.2; no encoder is better than the second."""
 NOISY: Final = 1.5
 """[-] of WHEEL_NOISE, from which on neither the curve nor the motion of a wheel is evidence: ripple of its encoder."""
+BIASED_SLIP: Final = 0.007
+"""[-] mean slip of a wheel that rolls freely, from which on the curve is no evidence: as above."""
+BIAS_TIME: Final = 0.3
+"""[s] over which it is averaged."""
 # The wheel's own motion
 SMOOTH: Final = 0.015
 """[s] over which wheel speed and brake torque are averaged."""
@@ -78,7 +82,7 @@ class SlipMonitor:
         self._beyond.clear()
         self._stamp = 0
         self._rim = self._carried = self._torque = nan
-        self._gain = 0.0
+        self._bias = self._gain = 0.0
         self._dived = self._slipped = False
         self.deceleration = nan
         """[m/s^2] of the wheel's circumference."""
@@ -108,6 +112,7 @@ class SlipMonitor:
         car: ReferenceSpeed,
         lambda_max: float,
         lambda_max_stddev: float,
+        braked: bool,
     ) -> None:
         """Take a sample.
 
@@ -117,6 +122,7 @@ class SlipMonitor:
             car: at the same stamp.
             lambda_max: of the friction curve [-], NaN where none is known.
             lambda_max_stddev: [-].
+            braked: whether the brake acts, or the driver demands it.
         """
         dt = (stamp - self._stamp) / NANOSECONDS
         self._stamp = stamp
@@ -127,10 +133,12 @@ class SlipMonitor:
         own = self._own.update(stamp, rim)
         lag = (own - rim) / own if own > max(rim, 0.5) else 0.0
         known, slip = isfinite(measured.slip), measured.slip
-        stddev = measured.slip_stddev if isfinite(measured.slip_stddev) else 0.0
+        if known and not braked:
+            self._bias += (abs(slip) - self._bias) * min(dt / BIAS_TIME, 1.0)
+        stddev = hypot(measured.slip_stddev, self._bias) if isfinite(measured.slip_stddev) else self._bias
         noise = sqrt(self._noise.variance)
         quiet = noise < NOISY * WHEEL_NOISE
-        self._limit(stddev, lambda_max if quiet else nan, lambda_max_stddev)
+        self._limit(stddev, lambda_max if quiet and self._bias < BIASED_SLIP else nan, lambda_max_stddev)
         # What the wheel speeds alone allow.
         least = max(lag, car.behind) if isfinite(car.behind) else lag
         proven = max(slip - SIGMAS * stddev if known else 0.0, least)

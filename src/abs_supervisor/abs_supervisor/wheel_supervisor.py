@@ -7,6 +7,7 @@
 """
 
 from math import isfinite, nan
+from typing import Final
 
 from abs_supervisor.arbitration import EXPLAINED, Arbitration, Law
 from abs_supervisor.axle import Axle
@@ -22,6 +23,9 @@ from abs_supervisor.speed_probe import SpeedProbe
 from vehicle_models.brake_actuator import ActuatorParameters, Command
 from vehicle_models.vehicle import Vehicle
 from vehicle_models.wheel_forces import LEAST_SHARE, WheelLoad
+
+BRAKED: Final = 20.0
+"""[N m] below this, measured and demanded, a wheel rolls freely."""
 
 
 class WheelSupervisor:
@@ -111,7 +115,8 @@ class WheelSupervisor:
         if self.curve.advance(stamp, self.controller.unexplained(self.curve.curve) < EXPLAINED):
             self.controller.forget_disturbance()
         curve = self.curve
-        self.slip.update(stamp, measured, self.car, curve.lambda_max, curve.lambda_max_stddev)
+        braked = not strongest < BRAKED
+        self.slip.update(stamp, measured, self.car, curve.lambda_max, curve.lambda_max_stddev, braked)
 
     def decide(self, law: Command) -> Command:
         """Return the command at the last sample, for what the state machine asks; NONE: the driver has the brake."""
