@@ -21,8 +21,10 @@ from vehicle_models.vehicle import CornerParameters
 # The torque that the road gives
 FLOOR: Final = 0.9
 """[-] of it: a tyre that slides gives 0.7 to 0.9 of the torque at its peak."""
-MEMORY: Final = 60.0
-"""[m] for which it counts."""
+MEMORY, NEAR = 60.0, 15.0
+"""[m] for which it counts, and what is left of them where the wheel falls again."""
+SAME, OTHER = 1.25, 1.5
+"""[-] of it: a brake that has so much is on the same road, on another."""
 PROBE, PROBED = 0.3, 0.4
 """[-] of it, with which a wheel shows the speed of the car, and up to which it does."""
 # Budget
@@ -174,7 +176,9 @@ class Intervention:
 
     def _remember(self, slip: SlipMonitor, way: float, torque: float) -> None:
         """Keep the torque that the road gave: r Fx = T - J a / r, with a the deceleration of the circumference."""
-        self._way += way
+        same = torque <= SAME * self.road_torque
+        if not (same and slip.slips):
+            self._way += way
         if slip.proven:
             if self.phase is Phase.STANDBY:
                 self.phase = Phase.ACTIVE
@@ -184,7 +188,9 @@ class Intervention:
             self._proves = True
             return
         self._proves = False
-        if self._way > MEMORY:
+        if slip.falls and same:
+            self._way = min(self._way, NEAR)
+        elif self._way > MEMORY or (torque > OTHER * self.road_torque and not slip.falls):
             self.road_torque = nan
             self.phase = Phase.STANDBY
 

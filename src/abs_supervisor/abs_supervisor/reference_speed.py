@@ -18,6 +18,8 @@ MOVES: Final = 1.5
 """[m/s] speed of a car that moves."""
 SLIDES: Final = 0.5
 """[-] slip of a wheel whose own speed is no more that of the car."""
+ALIKE, ALIKE_STANDING = 0.1, 0.2
+"""[-] and [m/s] by which wheels that turn alike differ."""
 TREND: Final = 0.2
 """[s] over which the deceleration of the car is taken."""
 
@@ -41,6 +43,8 @@ class ReferenceSpeed:
         """[m/s^2] of the car over the last 0.2 s, braking positive; NaN where unknown."""
         self.behind = nan
         """[-] by which the wheel turns slower than two others where its slip is unknown; NaN where they stand."""
+        self.alike = False
+        """Whether two other wheels or more turn like this one, and no sensor measures the speed of the car."""
         self.may_be_locked = False
         """Whether a lock of this wheel would look like a standstill of the car."""
 
@@ -57,8 +61,10 @@ class ReferenceSpeed:
         self.speed = car if measured.car_speed_measured or car > least else least
         self._decelerate(stamp, self.speed if others or isfinite(car) else nan)
         self.may_be_locked = not others and not isfinite(car)
-        self.behind = nan
-        if len(others) >= WITNESSES and not isfinite(measured.slip):
+        self.behind, several = nan, len(others) >= WITNESSES
+        apart = ALIKE * abs(rim) + ALIKE_STANDING
+        self.alike = several and not measured.car_speed_measured and all(abs(each - rim) < apart for each in others)
+        if several and not isfinite(measured.slip):
             second = sorted(others)[-WITNESSES]
             self.behind = 1.0 - rim / second if second > MOVES else nan
 

@@ -40,6 +40,8 @@ BIASED_SLIP: Final = 0.007
 """[-] mean slip of a wheel that rolls freely, from which on the curve is no evidence: as above."""
 BIAS_TIME: Final = 0.3
 """[s] over which it is averaged."""
+ACCELEROMETER_ERROR: Final = 2.5
+"""[m/s^2]"""
 # The wheel's own motion
 SMOOTH: Final = 0.015
 """[s] over which wheel speed and brake torque are averaged."""
@@ -56,6 +58,10 @@ FALLS: Final = 0.05
 """[-] of it by which a wheel falls behind that is at its peak."""
 FORGETS: Final = 0.3
 """[m/s^2] by which the wheel's own speed is carried on faster than its car slows down: errors fade."""
+LOST: Final = 0.2
+"""[m/s] that a wheel has lost against its car: far more than its noise."""
+FOLLOWS, FOLLOWS_TIME = 3.0, 0.1
+"""[m/s^2] and [s]: a wheel that decelerates like its car for so long keeps its slip."""
 RECOVERS: Final = 2.0
 """[m/s^2] acceleration of a wheel that comes back."""
 BACK: Final = 0.15
@@ -71,19 +77,19 @@ class SlipMonitor:
         self._noise = SignalNoise(WHEEL_NOISE**2, LEAST_NOISE**2)
         self._own = SlowestCar()
         self._proof, self._hard = Debounce(PROOF_TIME * NANOSECONDS), Debounce(PROOF_TIME * NANOSECONDS)
-        self._still = Debounce(STILL * NANOSECONDS)
+        self._follows, self._still = Debounce(FOLLOWS_TIME * NANOSECONDS), Debounce(STILL * NANOSECONDS)
         self._beyond: SlidingWindow[float] = SlidingWindow(STILL * NANOSECONDS)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
-        for each in (self._noise, self._own, self._proof, self._hard, self._still):
+        for each in (self._noise, self._own, self._proof, self._hard, self._follows, self._still):
             each.reset()
         self._beyond.clear()
         self._stamp = 0
         self._rim = self._carried = self._torque = nan
-        self._bias = self._gain = 0.0
-        self._dived = self._slipped = False
+        self._lost = self._bias = self._gain = 0.0
+        self._slides, self._dived, self._slipped = True, False, False
         self.deceleration = nan
         """[m/s^2] of the wheel's circumference."""
         self.threshold = nan
@@ -128,7 +134,7 @@ class SlipMonitor:
         self._stamp = stamp
         rim = self._radius * measured.wheel_speed
         hardest = car.deceleration if 0.0 <= car.deceleration <= HARDEST_BRAKING else HARDEST_BRAKING
-        still = self._still.update(stamp, not self._move(rim, measured.torque, dt, hardest))
+        still = self._still.update(stamp, not self._move(rim, measured.torque, dt, car.deceleration, hardest))
         self._noise.update(stamp, measured.wheel_speed)
         own = self._own.update(stamp, rim)
         lag = (own - rim) / own if own > max(rim, 0.5) else 0.0
@@ -139,9 +145,10 @@ class SlipMonitor:
         noise = sqrt(self._noise.variance)
         quiet = noise < NOISY * WHEEL_NOISE
         self._limit(stddev, lambda_max if quiet and self._bias < BIASED_SLIP else nan, lambda_max_stddev)
+        self._trust(stamp, car, slip, own - rim, hardest)
         # What the wheel speeds alone allow.
         least = max(lag, car.behind) if isfinite(car.behind) else lag
-        proven = max(slip - SIGMAS * stddev if known else 0.0, least)
+        proven = max(slip - SIGMAS * stddev if known and self._slides else 0.0, least)
         fall = 1.0 - self._rim / self._carried if self._carried > 0.5 else 0.0
         self.falls = fall > FALLS + SIGMAS * 0.5 * noise * self._radius / max(rim, 1.0)
         beyond = self.deceleration - hardest
@@ -160,16 +167,18 @@ class SlipMonitor:
         self.deep = self._dived or (known and slip > DEEP * self.threshold)
         self.dives = self._dived or (known and slip > 0.5 * self.threshold and self.deceleration > HARDEST_BRAKING)
 
-    def _move(self, rim: float, torque: float, dt: float, hardest: float) -> bool:
+    def _move(self, rim: float, torque: float, dt: float, deceleration: float, hardest: float) -> bool:
         """Follow the wheel's own motion; return whether its brake rises."""
         before = self._rim
         if not isfinite(before) or dt > GAP:
-            self._rim, self.deceleration, self._carried, self._torque = rim, 0.0, rim, torque
+            self._rim, self.deceleration, self._lost, self._carried, self._torque = rim, 0.0, 0.0, rim, torque
             return True
         share = min(dt / SMOOTH, 1.0)
         self._rim += (rim - before) * share
         self.deceleration = (before - self._rim) / dt
         self._carried = max(self._carried - (hardest + FORGETS) * dt, self._rim)
+        beyond = self.deceleration - deceleration - ACCELEROMETER_ERROR
+        self._lost = max(self._lost + beyond * dt, 0.0) if isfinite(beyond) else 0.0
         self._torque = torque if not isfinite(self._torque) else self._torque + (torque - self._torque) * share
         return not torque - self._torque < TORQUE_STEP + TORQUE_RATIO * torque
 
@@ -179,6 +188,14 @@ class SlipMonitor:
         if isfinite(lambda_max):
             self.threshold = min(max(CURVE_RATIO * (lambda_max + lambda_max_stddev), LEAST_SLIP), SLIP_WITHOUT_CURVE)
         self.release_slip = self.threshold + SIGMAS * stddev
+
+    def _trust(self, stamp: int, car: ReferenceSpeed, slip: float, behind: float, hardest: float) -> None:
+        """See whether the slip may be an error of the speed: wheels turn alike, and none fell more than its car."""
+        steady = self._follows.update(stamp, abs(self.deceleration - hardest) < FOLLOWS)
+        if not car.alike or max(behind, self._lost) > LOST:
+            self._slides = True
+        elif steady or slip < LEAST_SLIP:
+            self._slides = False
 
     def _dive(self, known: bool, hard: bool, lag: float, error: float) -> None:
         """See whether a wheel of unknown slip dives, or has dived and is not back; its acceleration errs by `error`."""
