@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from abs_supervisor.state_machine import COMMANDS, Evidence, StateMachine
+from abs_supervisor.state_machine import COMMANDS, StateMachine
 from benchmarks.abs.controllers import shipped as shipped_supervisor
 from benchmarks.abs.panic_stop import DEMAND_RATIO
 from benchmarks.measured import BMW_M8
@@ -170,8 +170,7 @@ class _Controller:
     def command(self, stamp: int, wheel_speed: float, torque: float, braking: bool) -> int:
         """Pass one sample through; return the command for it."""
         estimate = self._detector.update(SlopeSample(stamp, float(wheel_speed), float(torque)))
-        evidence = Evidence(estimate.h, estimate.indicator, isfinite(estimate.indicator), False, braking)
-        self._supervisor.update(stamp, evidence)
+        self._supervisor.update(stamp, estimate.h, estimate.indicator, braking, isfinite(estimate.indicator))
         return int(COMMANDS[self._supervisor.state])
 
 

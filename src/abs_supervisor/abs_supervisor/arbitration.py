@@ -7,13 +7,12 @@ fits one curve to all wheels has a wrong one for each of them where the sides of
 from enum import IntEnum
 from typing import Final
 
+from abs_supervisor.curve_selector import CURVE_KEPT
 from friction_runtime.filters import Debounce
 from vehicle_models.nanoseconds import NANOSECONDS
 
 WITHOUT_SLIP: Final = round(0.02 * NANOSECONDS)
-WITHOUT_CURVE: Final = round(0.15 * NANOSECONDS)
-"""[ns] of braking until the first curve. One that is lost was kept for as long already: to wait once more with the
-driver's pressure gave a wheel on snow 600 N m too much, and it locked."""
+"""[ns]"""
 EXPLAINED, MISMATCH = 0.35, 0.5
 """[-] disturbance torque over that of the peak: a smaller one is an error of the car, a larger one another road."""
 MISMATCH_TIME: Final = round(0.6 * NANOSECONDS)
@@ -79,7 +78,8 @@ class Arbitration:
         if braking and curve:
             self._curve_by = stamp
         elif not braking or self._curve_by is None:
-            self._curve_by = stamp + WITHOUT_CURVE
+            # One that is lost was kept for as long already: a wheel on snow got 600 N m too much meanwhile, and locked.
+            self._curve_by = stamp + CURVE_KEPT
         lost = Change.NONE
         if stamp - self._slip_at >= WITHOUT_SLIP:
             lost = Change.SLIP_LOST

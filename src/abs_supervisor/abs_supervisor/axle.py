@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from math import inf, isfinite
 from typing import Final
 
+from abs_supervisor.brake_model import BAND
+from abs_supervisor.measurements import GAP
 from vehicle_models.brake_actuator import Command
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import FRONT, REAR, Vehicle
@@ -19,14 +21,12 @@ NO_AXLE: Final = "none"
 SELECT_LOW: Final = (NO_AXLE, FRONT, REAR)
 """Values of the parameter."""
 _OLDER: Final = round(0.01 * NANOSECONDS)
-_OLDEST: Final = round(0.05 * NANOSECONDS)
-"""[ns] an older pressure says nothing: the other wheel is not heard of any more."""
-_BAND: Final = 20.0
-"""[N m] a smaller difference is none."""
+_OLDEST: Final = round(GAP * NANOSECONDS)
+"""[ns] an older pressure does not count: the other wheel is not heard of any more."""
 
 
 class _Side:
-    """What one of the two has said."""
+    """Torques of one of the two, and its first release."""
 
     def __init__(self) -> None:
         self.torques: deque[tuple[int, float]] = deque()
@@ -49,7 +49,7 @@ class Axle:
         self._select_low, self._growth = select_low, growth
 
     def forget(self, wheel: str) -> None:
-        """Forget what a wheel has said."""
+        """Forget a wheel."""
         self._sides[wheel] = _Side()
 
     def note(self, wheel: str, stamp: int, torque: float, command: Command, released: bool) -> None:
@@ -83,14 +83,14 @@ class Axle:
         if other.released_at is None:
             return Command.INCREASE
         lower = inf
-        for told_at, told in other.torques:
-            if told_at <= stamp - _OLDER:
-                lower = told if told_at >= stamp - _OLDEST else inf
+        for at, known in other.torques:
+            if at <= stamp - _OLDER:
+                lower = known if at >= stamp - _OLDEST else inf
         growth = 0.0 if select_low else self._growth
         excess = torque - lower - growth * (stamp - other.released_at) / NANOSECONDS
-        if select_low and excess > 2.0 * _BAND:
+        if select_low and excess > 2.0 * BAND:
             return Command.DECREASE
-        return Command.HOLD if excess > _BAND else Command.INCREASE
+        return Command.HOLD if excess > BAND else Command.INCREASE
 
 
 def axles(vehicle: Vehicle, select_low: str) -> Mapping[str, Axle]:

@@ -8,7 +8,7 @@ all of them wrong, and the true one least. What is left is the plausibility of t
 
 from collections import deque
 from math import isfinite, nan
-from typing import Final
+from typing import Final, NamedTuple
 
 from friction_runtime.filters import Debounce, SlidingWindow
 from vehicle_models.brake_actuator import ActuatorParameters, Command
@@ -21,40 +21,31 @@ DELAY_STEP, DELAYS = 0.005, 7
 """[s] and number of its values, from 0 to 30 ms: more is no brake for slip control."""
 LONGEST_STEP: Final = 0.02
 """[s] over a longer step nothing is learned."""
+BAND: Final = 20.0
+"""[N m] smallest difference of torques that a command answers."""
 DELAY_MEMORY: Final = 100.0
 """Samples with a change of torque, after which what was seen counts e times less."""
 TORQUE_NOISE: Final = 5.0
 """[N m] of a change from one sample to the next: no sensor is better."""
-SURE: Final = 12.0
+LOG_LIKELIHOOD: Final = 12.0
 """Logarithm of the likelihood ratio from which another delay is adopted."""
 EXPLAINED: Final = 0.5
 """[-] of the squared changes of torque that the best delay leaves at most: else the brake does not follow at all."""
 # Plausibility of the pressure
 LATE: Final = 0.025
-"""[s] by which a pressure may be later than the delay of the hydraulics."""
-RATIO, LEAST, OFFSET = 0.2, 30.0, 15.0
-"""[-] of the expected torque and [N m] by which it may be wrong; [N m] the same for its settled mean."""
-JUDGED: Final = 50.0
-"""[N m] below which a torque is not judged by its mean: nothing is commanded below."""
-STILL, SETTLED = 5.0, 0.15
-"""[N m] by which the model changes at most within LATE, and [s] for how long, where the torque has settled."""
-MEAN_OF: Final = 30
-"""Samples over which the deviation is averaged then."""
-LASTS: Final = 0.025
-"""[s] of a deviation."""
+"""[s] by which a pressure may be later than the delay of the hydraulics, and for which a deviation must last."""
+RATIO, OFFSET = 0.2, 12.0
+"""[-] of the expected torque and [N m] by which it may be wrong."""
 FORGETS: Final = 0.25
 """[s] in which the model follows a pressure that is right: a command that came late to the brake is not remembered."""
 CLEAN: Final = 1.0
 """[s] without deviation after which the pressure counts as right again."""
 
 
-class _Order:
-    __slots__ = ("begins", "command", "demand")
-
-    def __init__(self, begins: int, command: Command, demand: float) -> None:
-        self.begins = begins
-        self.command = command
-        self.demand = demand
+class _Order(NamedTuple):
+    begins: int
+    command: Command
+    demand: float
 
 
 class BrakeModel:
@@ -66,7 +57,7 @@ class BrakeModel:
         self.delay = round(actuator.delay * NANOSECONDS)
         """[ns] of the hydraulics as stated."""
         self._window: SlidingWindow[float] = SlidingWindow(LATE * NANOSECONDS)
-        self._wrong, self._settled = Debounce(LASTS * NANOSECONDS), Debounce(SETTLED * NANOSECONDS)
+        self._wrong = Debounce(LATE * NANOSECONDS)
         self.reset()
 
     def reset(self) -> None:
@@ -78,11 +69,9 @@ class BrakeModel:
         self._counted = self._changes = 0.0
         self._stamp, self._torque = 0, nan
         self._model = nan
-        self._mean, self._averaged = 0.0, 0
         self._named: int | None = None
         self._window.clear()
         self._wrong.reset()
-        self._settled.reset()
         self.text = ""
         """Deviation of the pressure in words, empty where there is none."""
 
@@ -146,9 +135,9 @@ class BrakeModel:
             wrong = torque - expected[k]
             self._squares[k] = kept * self._squares[k] + wrong * wrong
         least = min(self._squares)
-        sure = 2.0 * SURE * max(least / self._counted, TORQUE_NOISE * TORQUE_NOISE)
-        follows = self._changes > sure and least < EXPLAINED * self._changes
-        if follows and self._squares[steps.index(self.late)] - least > sure:
+        margin = 2.0 * LOG_LIKELIHOOD * max(least / self._counted, TORQUE_NOISE * TORQUE_NOISE)
+        follows = self._changes > margin and least < EXPLAINED * self._changes
+        if follows and self._squares[steps.index(self.late)] - least > margin:
             self.late = steps[self._squares.index(least)]
 
     def _judge(self, before: int, stamp: int, torque: float) -> None:
@@ -157,16 +146,12 @@ class BrakeModel:
             self._model = max(torque, 0.0)
             self._orders.clear()
             self._window.clear()
-            self._settled.reset()
         else:
             self._model = self.torque_at(self._model, before, stamp)
         self._window.append(stamp, self._model)
         low, high = min(each for _, each in self._window), max(each for _, each in self._window)
-        allowed = LEAST + RATIO * max(high, 0.0)
+        allowed = OFFSET + RATIO * max(high, 0.0)
         deviates = torque < low - allowed or torque > high + allowed
-        if self._has_settled(stamp, torque, low, high) and abs(self._mean) > OFFSET + RATIO * high:
-            self._named = stamp
-            self.text = f"{high + self._mean:.0f} N m for {SETTLED} s, where the demand gives {high:.0f} N m"
         if not deviates:
             self._model += (torque - self._model) * min((stamp - before) / NANOSECONDS / FORGETS, 1.0)
         if self._wrong.update(stamp, deviates):
@@ -174,15 +159,3 @@ class BrakeModel:
             self.text = f"{torque:.0f} N m, where demand and commands give {low:.0f} to {high:.0f} N m"
         elif self._named is not None and stamp - self._named > CLEAN * NANOSECONDS:
             self._named, self.text = None, ""
-
-    def _has_settled(self, stamp: int, torque: float, low: float, high: float) -> bool:
-        """Average the deviation while the model stays at the demand; return whether it did for long enough."""
-        acting = next((each.command for each in reversed(self._orders) if each.begins < stamp), Command.NONE)
-        if acting in (Command.HOLD, Command.DECREASE) or low < max(high - STILL, JUDGED):
-            self._settled.reset()
-            return False
-        if self._settled.since is None:
-            self._averaged = 0
-        self._averaged = min(self._averaged + 1, MEAN_OF)
-        self._mean += (torque - self._model - self._mean) / self._averaged
-        return self._settled.update(stamp, True)

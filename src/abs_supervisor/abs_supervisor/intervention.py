@@ -21,8 +21,6 @@ from vehicle_models.vehicle import CornerParameters
 # The torque that the road gives
 FLOOR: Final = 0.9
 """[-] of it: a tyre that slides gives 0.7 to 0.9 of the torque at its peak."""
-TRIM: Final = 0.95
-"""[-] of it: a wheel that is at its peak comes back from there."""
 MEMORY, NEAR = 60.0, 15.0
 """[m] for which it counts, and what is left of them where the wheel falls again."""
 SAME, OTHER = 1.25, 1.5
@@ -34,8 +32,8 @@ FULL: Final = 1.0
 """[s] of release."""
 REFILL: Final = 0.5
 """[s/s]"""
-AGAIN, LOW = 0.2, 0.4
-"""[-] of it: a release may begin again; the pressure rises slowly below."""
+AGAIN: Final = 0.2
+"""[s] with which a release may begin again."""
 RETURN_RATE: Final = 2000.0
 """[N m/s] of the brake torque."""
 PAUSE: Final = 0.1
@@ -47,12 +45,8 @@ LOOK: Final = 0.1
 # Driver
 DRIVER_BELOW: Final = 1.5
 """[m/s] speed of the car below which nothing is lowered."""
-STANDS: Final = 0.75
-"""[m/s] below which nothing is held."""
 REACHED: Final = 0.98
 """[-] of the demand: the driver has his pressure."""
-LOST: Final = 0.35
-"""[-] of the torque at the peak, that a sliding tyre does not give: 0.30 to 0.37 on the roads of Table 8.1."""
 
 
 class Phase(IntEnum):
@@ -89,7 +83,7 @@ class Intervention:
     def __init__(self, corner: CornerParameters, actuator: ActuatorParameters, trims: bool) -> None:
         """Choose a wheel and its hydraulics; `trims`: the law holds a slip, and lowers the brake by little."""
         self._trims = trims
-        self._spin, self._actuator = corner.inertia / corner.radius, actuator
+        self._spin = corner.inertia / corner.radius
         self._open = OPEN_FRICTION * corner.radius * corner.vertical_load
         self._pulse = min(RETURN_RATE / actuator.apply_rate, 1.0)
         self.reset()
@@ -143,9 +137,6 @@ class Intervention:
         self.limit = Limit.LOW_SPEED if slow else Limit.NONE
         self.release = Release.REFUSED if self._wanted else Release.NOT_WANTED
         if law is Command.NONE or slow:
-            keeps = slow and car_speed > STANDS and self.phase is Phase.ACTIVE and self._is_near(coming)
-            if keeps and law in (Command.HOLD, Command.DECREASE) and torque < demand:
-                return Command.HOLD
             self.phase, self.road_torque, self._opened = Phase.STANDBY, nan, 0.0
             return Command.NONE
         self._remember(slip, car_speed * dt if car_speed > 0.0 else 0.0, torque)
@@ -157,16 +148,16 @@ class Intervention:
             self.release = Release.SPEED_PROBE
             return Command.HOLD if coming <= PROBE * self.road_torque else Command.DECREASE
         if self._wanted:
-            self.release = self._verdict(slip, torque, coming)
+            self.release = self._verdict(slip, coming)
             if self.release is not Release.REFUSED:
                 return self._lower(dt, slip, torque)
             self.refused += begins
         self._opened = 0.0
-        return self._otherwise(stamp, law, slip, car_speed, torque, coming, demand)
+        return self._otherwise(stamp, law, slip, torque, coming, demand)
 
     def may_probe(self, slip: SlipMonitor, torque: float, demand: float) -> bool:
         """Whether the wheel may roll as a reference: it slips by proof in this braking, below the driver's demand."""
-        return self.phase is Phase.ACTIVE and isfinite(self.road_torque) and slip.slips and torque < 0.9 * demand
+        return self.phase is Phase.ACTIVE and isfinite(self.road_torque) and slip.slips and torque < FLOOR * demand
 
     def is_lowered(self, torque: float) -> bool:
         """Whether a torque [N m] is that of a probe."""
@@ -175,12 +166,12 @@ class Intervention:
     def _is_near(self, torque: float) -> bool:
         return torque >= FLOOR * self.road_torque
 
-    def _verdict(self, slip: SlipMonitor, torque: float, coming: float) -> Release:
+    def _verdict(self, slip: SlipMonitor, coming: float) -> Release:
         if self.phase is Phase.STANDBY:
             return Release.REFUSED
         if slip.proven:
             return Release.BY_SLIP
-        trims = self._is_near(coming) and (self._trims or (slip.falls and torque >= TRIM * self.road_torque))
+        trims = self._is_near(coming) and (self._trims or slip.falls)
         return Release.BY_ROAD_TORQUE if trims else Release.REFUSED
 
     def _remember(self, slip: SlipMonitor, way: float, torque: float) -> None:
@@ -205,7 +196,7 @@ class Intervention:
 
     def _has_returned(self, dt: float, torque: float, demand: float) -> bool:
         self._paused += dt
-        if not (torque >= REACHED * demand or (self._paused >= PAUSE and self.budget > AGAIN * FULL)):
+        if not (torque >= REACHED * demand or (self._paused >= PAUSE and self.budget > AGAIN)):
             return False
         self.phase = Phase.ACTIVE
         return True
@@ -222,7 +213,7 @@ class Intervention:
         return Command.DECREASE
 
     def _otherwise(
-        self, stamp: int, law: Command, slip: SlipMonitor, car_speed: float, torque: float, coming: float, demand: float
+        self, stamp: int, law: Command, slip: SlipMonitor, torque: float, coming: float, demand: float
     ) -> Command:
         """Return the command where nothing is lowered."""
         if not torque < demand:
@@ -231,11 +222,9 @@ class Intervention:
         near = active and self._is_near(coming)
         if law is not Command.INCREASE and (near or slip.dives or (slip.possible and self._looks(stamp))):
             return Command.HOLD
-        if active and slip.slips and torque >= self.road_torque and self._outruns(car_speed, torque):
-            return Command.HOLD
         if active and slip.deep and not self._trims:
             return Command.HOLD if slip.recovers else self._slowly()
-        return self._slowly() if self.budget < LOW * FULL else Command.INCREASE
+        return Command.INCREASE
 
     def _looks(self, stamp: int) -> bool:
         """Whether a hold may go on: it is for a look at the wheel, and then the pressure rises as long."""
@@ -243,14 +232,6 @@ class Intervention:
             self._look_began = stamp
         self._looked = stamp
         return (stamp - self._look_began) % (2 * LOOK * NANOSECONDS) < LOOK * NANOSECONDS
-
-    def _outruns(self, car_speed: float, torque: float) -> bool:
-        """Whether a wheel beyond its peak locks before its brake can release it.
-
-        It lacks the torque D that a sliding tyre gives less, stands after 2 J omega / D, and the brake needs D / rate.
-        """
-        lost = LOST * torque
-        return 2.0 * self._spin * car_speed < lost * (self._actuator.delay + lost / self._actuator.release_rate)
 
     def _slowly(self) -> Command:
         """INCREASE for a share of the samples and HOLD for the others, so that the mean rate is that of the return."""

@@ -7,6 +7,7 @@ from abs_supervisor.axle import NO_AXLE, SELECT_LOW
 from abs_supervisor.state_machine import Thresholds
 from friction_parameters.generated import ShippedFile
 from friction_parameters.parameter import constant, deadline_parameter, group, parameter
+from friction_runtime.filters import Debounce
 from vehicle_models.brake_actuator import ActuatorParameters
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle_file import vehicle_file_parameter
@@ -32,27 +33,20 @@ class TorqueWithHysteresis:
     """
 
     def __init__(self, begin: float, end: PressureParameters) -> None:
-        """Start not braking.
-
-        Args:
-            begin: T-bar [N m], above the release torque.
-            end: when braking is over.
-        """
-        self._begin, self._end, self._hold_ns = begin, end.release_torque, round(end.release_hold * NANOSECONDS)
+        """Start not braking; it begins at the torque `begin`, T-bar [N m], above the release torque of `end`."""
+        self._begin, self._end = begin, end.release_torque
+        self._below = Debounce(round(end.release_hold * NANOSECONDS))
         self.reset()
 
     def reset(self) -> None:
         """Forget the past."""
         self._braking = False
-        self._last_braked: int | None = None
+        self._below.reset()
 
     def update(self, stamp: int, torque: float) -> bool:
         """Take the torque [N m] at a stamp [ns]; return whether the driver brakes."""
-        if torque >= (self._end if self._braking else self._begin):
-            self._braking = True
-            self._last_braked = stamp
-        elif self._last_braked is None or stamp - self._last_braked > self._hold_ns:
-            self._braking = False
+        over = self._below.update(stamp, torque < self._end)
+        self._braking = torque >= self._begin or (self._braking and not over)
         return self._braking
 
 

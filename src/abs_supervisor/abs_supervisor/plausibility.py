@@ -7,7 +7,8 @@ from collections import deque
 from math import inf, isfinite, nan
 from typing import Final, NamedTuple
 
-from abs_supervisor.measurements import Measurements
+from abs_supervisor.measurements import GAP, Measurements
+from abs_supervisor.reference_speed import WITNESSES
 from friction_runtime.filters import SlidingMaximum
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_ROAD_FRICTION, LOWEST_APPARENT_FRICTION
@@ -42,7 +43,7 @@ OPEN = Check(
 )
 FASTER = Check(
     "faster",
-    "braked, it turns 8 % faster than the car, which another wheel or a speed sensor supports",
+    "braked, it turns 8 % faster than the car, which two other wheels or a speed sensor support",
     0.06,
     "turns with {rim:.1f} m/s, braked, where the car has {car:.1f} m/s",
 )
@@ -52,15 +53,14 @@ APART = Check(
     0.5,
     "turns with {rim:.1f} m/s, rolling freely, where the car has {car:.1f} m/s",
 )
-APART_STANDING = Check("apart, standing", "the same, and it stands", 0.06, APART.text)
-CHECKS: Final = (JUMP, FLICKER, STUCK, OPEN, FASTER, APART, APART_STANDING)
+CHECKS: Final = (JUMP, FLICKER, STUCK, OPEN, FASTER, APART)
 """In the order in which they are named."""
 
 # What brake, road and sensor can do
-TORQUE_MARGIN, SPARE_TORQUE = 1.2, 50.0
-"""[-] and [N m] by which the brake may be stronger than measured: gain, drag of engine and road."""
-TORQUE_MEMORY: Final = 0.1
-"""[s] for which a torque counts: the pressure may be late."""
+BRAKED: Final = 50.0
+"""[N m] of a wheel that is braked; less may be drag of engine and road."""
+TORQUE_MARGIN: Final = 1.2
+"""[-] by which the brake may be stronger than measured, beside that drag."""
 LOAD_TRANSFER: Final = 2.0
 """[-] largest load of a wheel over that at rest."""
 JITTER: Final = 2.0
@@ -70,20 +70,17 @@ STAMP_ERROR: Final = 0.002
 # The wheel and its car
 STANDS, MOVES = 0.5, 3.0
 """[m/s] circumference of a wheel that stands; a car that moves."""
-BRAKED: Final = 50.0
-"""[N m]"""
 FASTER_BY, APART_BY = 0.08, 0.25
 """[-] of the speed of the car."""
-FREE, CLEAN = 1.0, 1.0
+FREE: Final = 1.0
 """[s] after the brake until a wheel rolls freely; without contradiction until the sensor is trusted again."""
 GAIN: Final = 0.5
 """[m/s] that a wheel gains which comes back: on ice it takes seconds."""
 MEMORY: Final = 0.1
-"""[s] two spikes within it are a flicker; a reading beyond a jump becomes the one that others are compared with."""
+"""[s] a torque counts, as the pressure may be late; two spikes within it are a flicker; a reading beyond a jump becomes
+the one that others are compared with."""
 TURNED: Final = 0.05
 """[s] for which a wheel must have turned before: a spike of a wheel that stands is no fall."""
-GAP: Final = 0.05
-"""[s] after a longer gap the checks begin anew."""
 
 
 class Plausibility:
@@ -98,7 +95,7 @@ class Plausibility:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._torques, self._spikes = SlidingMaximum(TORQUE_MEMORY * NANOSECONDS), deque[int]()
+        self._torques, self._spikes = SlidingMaximum(MEMORY * NANOSECONDS), deque[int]()
         self._braked: int | None = None
         self._contradicted: int | None = None
         self._last = 0
@@ -135,17 +132,16 @@ class Plausibility:
         jumps = self._jumps(stamp, speed, rim, most, measured.car_speed)
         faster, apart, car = self._against_car(stamp, rim, torque, measured)
         stands = abs(rim) < STANDS
-        moves = measured.car_speed_measured or any(each > MOVES for each in measured.others)
+        moves = (measured.car_speed_measured and measured.car_speed > MOVES) or any(v > MOVES for v in measured.others)
         repeats = self._same == speed and not stands and torque >= BRAKED
         self._same = speed
         found = {
             JUMP: jumps,
             FLICKER: jumps and len(self._spikes) > 1,
             STUCK: repeats,
-            OPEN: stands and most < self._open and moves and measured.car_speed > MOVES,
+            OPEN: stands and most < self._open and moves,
             FASTER: faster,
             APART: apart,
-            APART_STANDING: apart and stands,
         }
         for check in CHECKS:
             if not found[check]:
@@ -156,7 +152,7 @@ class Plausibility:
                 self.text = check.text.format(before=before, speed=speed, rim=rim, car=car, dead=dead)
                 self._contradicted = stamp
                 return self.text
-        if self._contradicted is not None and stamp - self._contradicted > CLEAN * NANOSECONDS:
+        if self._contradicted is not None and stamp - self._contradicted > FREE * NANOSECONDS:
             self.text, self._contradicted = "", None
         return self.text
 
@@ -174,7 +170,7 @@ class Plausibility:
             return False
         at, good = self._good
         dt = (stamp - at) / NANOSECONDS
-        hardest = (TORQUE_MARGIN * torque + SPARE_TORQUE) / self._inertia
+        hardest = (TORQUE_MARGIN * torque + BRAKED) / self._inertia
         if good * self._radius > car_speed:  # the road brakes a wheel that turns faster than its car
             hardest += self._grip / self._inertia
         lowest = min(good, 0.0) if torque == inf else good - dt * hardest
@@ -208,7 +204,8 @@ class Plausibility:
         braked = not torque < BRAKED
         if braked or self._braked is None:
             self._braked = stamp
-        supported = isfinite(car) and (is_measured or any(abs(each - car) < FASTER_BY * car for each in others))
+        near = sum(abs(each - car) < FASTER_BY * car for each in others)  # one may be on its way to a lock
+        supported = isfinite(car) and (is_measured or near >= WITNESSES)
         backed = any(each > (1.0 - FASTER_BY) * rim for each in others)
         faster = torque >= BRAKED and supported and not backed and rim > (1.0 + FASTER_BY) * car + STANDS
         against = max(others) if others else car if is_measured else nan

@@ -62,11 +62,11 @@ class ReferenceSpeed:
         self._decelerate(stamp, self.speed if others or isfinite(car) else nan)
         self.may_be_locked = not others and not isfinite(car)
         self.behind, several = nan, len(others) >= WITNESSES
+        apart = ALIKE * abs(rim) + ALIKE_STANDING
+        self.alike = several and not measured.car_speed_measured and all(abs(each - rim) < apart for each in others)
         if several and not isfinite(measured.slip):
             second = sorted(others)[-WITNESSES]
             self.behind = 1.0 - rim / second if second > MOVES else nan
-        apart = ALIKE * abs(rim) + ALIKE_STANDING
-        self.alike = several and not measured.car_speed_measured and all(abs(each - rim) < apart for each in others)
 
     def _decelerate(self, stamp: int, speed: float) -> None:
         samples = self._samples

@@ -7,7 +7,7 @@ that ends as fast as the brake can.
 from math import inf, isfinite, nan, sqrt
 from typing import Final
 
-from abs_supervisor.brake_model import BrakeModel
+from abs_supervisor.brake_model import BAND, LONGEST_STEP, BrakeModel
 from abs_supervisor.measurements import Measurements
 from abs_supervisor.road_curve import RoadCurve
 from abs_supervisor.wheel_observer import WheelObserver, WheelState
@@ -21,18 +21,16 @@ TO_PASS: Final = 1.10
 HELD: Final = 0.92
 """[-] afterwards: friction is flat there, and the wheel is stable."""
 AT_REST, SLOW = 0.70, 8.0
-"""[-] at standstill, and [m/s] from which on HELD: a wheel is quick at low speed, and slip is vague."""
+"""[-] at standstill, and [m/s] from which on HELD: a wheel is quick at low speed, and slip is uncertain."""
 # Torque
 APPROACH: Final = 35.0
 """[1/s] with which a small error of the wheel speed vanishes."""
-FAR, FAR_MARGIN = 1.5, 0.05
-"""[-] of the set-point, and slip beyond it, that is far beyond."""
+FAR: Final = 2.0
+"""[-] of the set-point: slip that is far beyond."""
 RETURN: Final = 0.2
 """[-] of the torque at the set-point by which the torque stays below that of the road, far beyond the peak."""
 TAPER, TAPER_END, TAPER_SHARE = 5.0, 3.0, 0.96
 """[m/s] from where on the torque stays below a share of that at the peak, which falls to TAPER_SHARE at TAPER_END."""
-BAND: Final = 20.0
-"""[N m] smallest error of the torque that a command answers."""
 # Disturbance torque
 SLOW_TIME, FIRST_TIME = 0.3, 0.05
 """[s] of its slow part, and when it begins: the observer's own, in which its noise is averaged."""
@@ -40,8 +38,6 @@ NOISE: Final = 0.25
 """[-] of the torque at the set-point: a faster part up to this counts as noise."""
 NEAR: Final = 0.5
 """[-] of the set-point: the slow part is learned while the slip is nearer to it."""
-LONGEST_STEP: Final = 0.02
-"""[s]"""
 
 
 class SlipController:
@@ -171,7 +167,7 @@ def torque_set_point(
     wanted_speed = (1.0 - slip) * ahead.speed / corner.radius
     error = ahead.wheel_speed - wanted_speed
     torque = max(steady + followed, 0.0) + corner.inertia * _approach(corner, actuator, error, ahead.speed)
-    if ahead.slip > FAR * slip + FAR_MARGIN:
+    if ahead.slip > FAR * slip:
         road = corner.radius * corner.vertical_load * curve.friction(ahead.slip)
         torque = min(torque, road + disturbance - RETURN * steady)
     if ahead.speed < TAPER:

@@ -6,10 +6,10 @@ a release in a braking that is none of a lock. So the first release of a braking
 with them: beyond its peak a wheel loses speed although its brake does not rise; before it, it keeps its slip.
 """
 
-from math import isfinite, nan, sqrt
+from math import hypot, isfinite, nan, sqrt
 from typing import Final
 
-from abs_supervisor.measurements import Measurements
+from abs_supervisor.measurements import GAP, Measurements
 from abs_supervisor.reference_speed import ReferenceSpeed
 from friction_runtime.filters import Debounce, SlidingWindow
 from sensor_monitor.signal_noise import SignalNoise
@@ -35,18 +35,16 @@ HOLD_SLIP: Final = 0.14
 WHEEL_NOISE, LEAST_NOISE = 0.07, 0.02
 """[rad/s] of the wheel speed of section 8.3.2; no encoder is better than the second."""
 NOISY: Final = 1.5
-"""Of WHEEL_NOISE: the estimator of the curve is not made for more."""
+"""[-] of WHEEL_NOISE, from which on neither the curve nor the motion of a wheel is evidence: ripple of its encoder."""
 BIASED_SLIP: Final = 0.007
-"""[-] of a wheel that rolls freely: as above."""
+"""[-] mean slip of a wheel that rolls freely, from which on the curve is no evidence: as above."""
 BIAS_TIME: Final = 0.3
-"""[s] over which the slip of a wheel that rolls freely is averaged."""
+"""[s] over which it is averaged."""
 ACCELEROMETER_ERROR: Final = 2.5
 """[m/s^2]"""
 # The wheel's own motion
 SMOOTH: Final = 0.015
 """[s] over which wheel speed and brake torque are averaged."""
-GAP: Final = 0.1
-"""[s] after a longer gap the motion begins anew."""
 DIVERGES: Final = 5.0
 """[m/s^2] by which a wheel beyond its peak loses more speed than its car."""
 TORQUE_STEP, TORQUE_RATIO = 5.0, 0.02
@@ -64,8 +62,6 @@ LOST: Final = 0.2
 """[m/s] that a wheel has lost against its car: far more than its noise."""
 FOLLOWS, FOLLOWS_TIME = 3.0, 0.1
 """[m/s^2] and [s]: a wheel that decelerates like its car for so long keeps its slip."""
-DIVES: Final = 12.75
-"""[m/s^2] deceleration of a wheel that locks."""
 RECOVERS: Final = 2.0
 """[m/s^2] acceleration of a wheel that comes back."""
 BACK: Final = 0.15
@@ -145,22 +141,23 @@ class SlipMonitor:
         known, slip = isfinite(measured.slip), measured.slip
         if known and not braked:
             self._bias += (abs(slip) - self._bias) * min(dt / BIAS_TIME, 1.0)
-        stddev = self._limit(measured.slip_stddev, lambda_max, lambda_max_stddev)
+        stddev = hypot(measured.slip_stddev, self._bias) if isfinite(measured.slip_stddev) else self._bias
+        noise = sqrt(self._noise.variance)
+        quiet = noise < NOISY * WHEEL_NOISE
+        self._limit(stddev, lambda_max if quiet and self._bias < BIASED_SLIP else nan, lambda_max_stddev)
         self._trust(stamp, car, slip, own - rim, hardest)
         # What the wheel speeds alone allow.
         least = max(lag, car.behind) if isfinite(car.behind) else lag
         proven = max(slip - SIGMAS * stddev if known and self._slides else 0.0, least)
-        noise = sqrt(self._noise.variance)
         fall = 1.0 - self._rim / self._carried if self._carried > 0.5 else 0.0
         self.falls = fall > FALLS + SIGMAS * 0.5 * noise * self._radius / max(rim, 1.0)
         beyond = self.deceleration - hardest
         self._beyond.append(stamp, beyond)
-        diverges = beyond > DIVERGES and noise < NOISY * WHEEL_NOISE
-        lasts = diverges and still and beyond > LASTING * next(iter(self._beyond))[1]
+        lasts = quiet and still and beyond > max(DIVERGES, LASTING * next(iter(self._beyond))[1])
         shows = proven > self.threshold
         witnessed = lasts or fall > FELL or least > SLIP_WITHOUT_CURVE
         error = SIGMAS * noise * self._radius / SMOOTH
-        hard = self.deceleration > DIVES + error and lag > LEAST_SLIP and (lasts or lag > SLIP_WITHOUT_CURVE)
+        hard = self.deceleration > HARDEST_BRAKING + error and lag > LEAST_SLIP and (lasts or lag > SLIP_WITHOUT_CURVE)
         self._dive(known, self._hard.update(stamp, hard), lag, error)
         self.recovers = self.deceleration < -RECOVERS
         goes_on = self.proven and shows and not self.recovers
@@ -168,7 +165,7 @@ class SlipMonitor:
         self.possible = not known or slip + stddev > min(self.threshold, HOLD_SLIP)
         self.slips = known and slip > self.threshold
         self.deep = self._dived or (known and slip > DEEP * self.threshold)
-        self.dives = self._dived or (known and slip > 0.5 * self.threshold and self.deceleration > DIVES)
+        self.dives = self._dived or (known and slip > 0.5 * self.threshold and self.deceleration > HARDEST_BRAKING)
 
     def _move(self, rim: float, torque: float, dt: float, deceleration: float, hardest: float) -> bool:
         """Follow the wheel's own motion; return whether its brake rises."""
@@ -185,16 +182,12 @@ class SlipMonitor:
         self._torque = torque if not isfinite(self._torque) else self._torque + (torque - self._torque) * share
         return not torque - self._torque < TORQUE_STEP + TORQUE_RATIO * torque
 
-    def _limit(self, slip_stddev: float, lambda_max: float, lambda_max_stddev: float) -> float:
-        """Set the thresholds; return the standard deviation of the slip."""
-        stddev = sqrt((slip_stddev**2 if isfinite(slip_stddev) else 0.0) + self._bias**2)
+    def _limit(self, stddev: float, lambda_max: float, lambda_max_stddev: float) -> None:
+        """Set the thresholds, for a standard deviation of the slip [-]."""
         self.threshold = SLIP_WITHOUT_CURVE
-        fits = self._noise.variance < (NOISY * WHEEL_NOISE) ** 2 and self._bias < BIASED_SLIP
-        if isfinite(lambda_max) and fits:
-            doubt = lambda_max_stddev if isfinite(lambda_max_stddev) else 0.0
-            self.threshold = min(max(CURVE_RATIO * (lambda_max + doubt), LEAST_SLIP), SLIP_WITHOUT_CURVE)
+        if isfinite(lambda_max):
+            self.threshold = min(max(CURVE_RATIO * (lambda_max + lambda_max_stddev), LEAST_SLIP), SLIP_WITHOUT_CURVE)
         self.release_slip = self.threshold + SIGMAS * stddev
-        return stddev
 
     def _trust(self, stamp: int, car: ReferenceSpeed, slip: float, behind: float, hardest: float) -> None:
         """See whether the slip may be an error of the speed: wheels turn alike, and none fell more than its car."""

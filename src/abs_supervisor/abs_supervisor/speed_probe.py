@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from math import isfinite
 from typing import Final
 
+from abs_supervisor.measurements import GAP
 from vehicle_models.nanoseconds import NANOSECONDS
 
 WORTH: Final = 12.0
@@ -27,8 +28,6 @@ ABOVE: Final = 6.0
 """[m/s] below, the wheel would roll for too long."""
 CURVE_YAW_RATE, CURVE_LATERAL = 0.06, 1.0
 """[rad/s] and [m/s^2] from which on the car is in a curve, and keeps its rear wheels."""
-FORGETS: Final = 0.2
-"""[s] without a sample, after which another braking begins."""
 
 
 class SpeedProbe:
@@ -62,7 +61,7 @@ class SpeedProbe:
             lowered: whether its brake is as low as a probe needs.
             held: slip that its law holds below the demand [-]; NaN where it does not, or may not roll.
         """
-        if not -FORGETS * NANOSECONDS < stamp - self._newest < FORGETS * NANOSECONDS:
+        if not -GAP * NANOSECONDS < stamp - self._newest < GAP * NANOSECONDS:
             self.reset()
         self._newest = stamp
         if self._rolling and stamp - self._began > LONGEST * NANOSECONDS:

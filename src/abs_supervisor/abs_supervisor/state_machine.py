@@ -10,9 +10,11 @@ were measured with growing slip, and S22 for those with falling slip. Otherwise 
 peak, to which a release time-out has given pressure again, would at once be released again.
 """
 
+from collections import Counter
 from dataclasses import dataclass
 from enum import IntEnum
 from math import isfinite, nan
+from typing import NamedTuple
 
 from friction_parameters.parameter import parameter
 from friction_runtime.filters import Debounce
@@ -90,26 +92,19 @@ class Thresholds:
             raise ValueError(f"wait ({self.wait}) must be >= 0 and release_timeout ({self.release_timeout}) > 0")
 
 
-class Inputs:
+class Inputs(NamedTuple):
     """Inputs of the machine at one sample."""
 
-    def __init__(
-        self, braking: bool, indicator: float, slip_growing: bool, failed: bool = False, slow: bool = False
-    ) -> None:
-        """Hold the inputs.
-
-        Args:
-            braking: whether the driver demands at least T-bar.
-            indicator: indicator H sign(eta) of (8.5) [rad/s^3]; NaN where the sign is not measured.
-            slip_growing: the sign that entered the indicator: true for sign(eta) > 0.
-            failed: inputs stale or invalid.
-            slow: below the speed where the ABS ends.
-        """
-        self.braking = braking
-        self.indicator = indicator
-        self.slip_growing = slip_growing
-        self.failed = failed
-        self.slow = slow
+    braking: bool
+    """The driver demands at least T-bar."""
+    indicator: float
+    """H sign(eta) of (8.5) [rad/s^3]; NaN where the sign is not measured."""
+    slip_growing: bool
+    """The sign that entered the indicator: true for sign(eta) > 0."""
+    failed: bool = False
+    """Inputs stale or invalid."""
+    slow: bool = False
+    """Below the speed where the ABS ends."""
 
 
 def transition(state: State, inputs: Inputs, time_in_state: float, thresholds: Thresholds) -> tuple[State, Cause]:
@@ -144,37 +139,6 @@ def transition(state: State, inputs: Inputs, time_in_state: float, thresholds: T
     return state, Cause.NONE
 
 
-@dataclass
-class Counts:
-    """Transitions since start or reset."""
-
-    transitions: int = 0
-    instabilities: int = 0
-    recoveries: int = 0
-    release_timeouts: int = 0
-    fail_safes: int = 0
-
-
-class Evidence:
-    """What is known at one stamp."""
-
-    def __init__(self, h: float, indicator: float, usable: bool, slow: bool, braking: bool) -> None:
-        """Hold what is known.
-
-        Args:
-            h: H of (8.3) [rad/s^3]; NaN where unknown, as for a locked wheel.
-            indicator: H sign(eta) [rad/s^3]; 0 or NaN where the sign is not measured.
-            usable: False where the indicator or the driver's demand is missing or not valid.
-            slow: below the speed where the ABS ends.
-            braking: whether the driver brakes.
-        """
-        self.h = h
-        self.indicator = indicator
-        self.usable = usable
-        self.slow = slow
-        self.braking = braking
-
-
 class StateMachine:
     """State machine of one wheel. `update` makes at most one transition per sample."""
 
@@ -195,7 +159,8 @@ class StateMachine:
         self.previous_state = State.S0
         self.cause = Cause.NONE
         """Cause of the last transition."""
-        self.counts = Counts()
+        self.counts: Counter[Cause] = Counter()
+        """Transitions since start or reset, by their cause."""
         self.transition_stamp = 0
         """Stamp of the last transition [ns]; 0 before the first."""
         self._unusable.reset()
@@ -209,19 +174,24 @@ class StateMachine:
         """Go to S0 because the inputs have fallen silent; return whether that was a transition."""
         return self._enter(State.S0, Cause.FAIL_SAFE, stamp)
 
-    def update(self, stamp: int, evidence: Evidence) -> bool:
-        """Take what is known at a stamp [ns], later than the last; return whether there was a transition."""
-        failed = self._unusable.update(stamp, not evidence.usable)
-        if not evidence.usable and not failed:
+    def update(
+        self, stamp: int, h: float, indicator: float, braking: bool, usable: bool = True, slow: bool = False
+    ) -> bool:
+        """Take a sample; return whether there was a transition.
+
+        Args:
+            stamp: [ns], later than the last.
+            h: H of (8.3) [rad/s^3]; NaN where unknown, as for a locked wheel.
+            indicator: H sign(eta) [rad/s^3]; 0 or NaN where the sign is not measured.
+            braking: whether the driver brakes.
+            usable: False where the indicator or the driver's demand is missing or not valid.
+            slow: below the speed where the ABS ends.
+        """
+        failed = self._unusable.update(stamp, not usable)
+        if not usable and not failed:
             return False
-        measured = isfinite(evidence.indicator) and evidence.indicator != 0.0
-        inputs = Inputs(
-            braking=evidence.braking,
-            indicator=evidence.indicator if measured else nan,
-            slip_growing=not evidence.indicator * evidence.h < 0.0,
-            failed=failed,
-            slow=evidence.slow,
-        )
+        measured = indicator if isfinite(indicator) and indicator != 0.0 else nan
+        inputs = Inputs(braking, measured, not indicator * h < 0.0, failed, slow)
         in_state = (stamp - self.transition_stamp) * NANOSECOND
         state, cause = transition(self.state, inputs, in_state, self._thresholds)
         return self._enter(state, cause, stamp)
@@ -230,9 +200,5 @@ class StateMachine:
         if state is self.state:
             return False
         self.previous_state, self.state, self.cause, self.transition_stamp = self.state, state, cause, stamp
-        self.counts.transitions += 1
-        self.counts.instabilities += cause is Cause.INSTABILITY
-        self.counts.recoveries += cause is Cause.STABILITY
-        self.counts.release_timeouts += cause is Cause.RELEASE_TIMEOUT
-        self.counts.fail_safes += cause is Cause.FAIL_SAFE
+        self.counts[cause] += 1
         return True

@@ -5,17 +5,15 @@ it does otherwise is a disturbance torque: an error of the curve, of the load, o
 """
 
 from math import ceil, exp, isfinite, nan
-from typing import Final
+from typing import Final, NamedTuple
 
-from abs_supervisor.brake_model import BrakeModel
+from abs_supervisor.brake_model import LONGEST_STEP, BrakeModel
 from abs_supervisor.road_curve import RoadCurve
 from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.vehicle import CornerParameters
 
 _TORQUE_GAIN, _SPEED_GAIN, _DISTURBANCE_GAIN = 0.25, 0.45, 0.10
 """Shares of what surprises in a sample, for the torque, the wheel speed and the disturbance torque."""
-_LONGEST_STEP = round(0.02 * NANOSECONDS)
-"""[ns] a longer gap begins anew."""
 _STEP = round(0.005 * NANOSECONDS)
 """[ns] longest step of the prediction."""
 _STIFFEST, _STEEPEST_FALL = 20.0, -1.0
@@ -24,17 +22,16 @@ LEAST_SPEED: Final = 0.3
 """[m/s] slip is taken relative to a speed no lower."""
 
 
-class WheelState:
+class WheelState(NamedTuple):
     """Of the wheel and its brake at a time."""
 
-    __slots__ = ("slip", "speed", "torque", "wheel_speed")
-
-    def __init__(self, wheel_speed: float, speed: float, torque: float, slip: float) -> None:
-        """Hold wheel speed [rad/s], speed of the car [m/s], brake torque [N m] and slip [-]."""
-        self.wheel_speed = wheel_speed
-        self.speed = speed
-        self.torque = torque
-        self.slip = slip
+    wheel_speed: float
+    """[rad/s]"""
+    speed: float
+    """Of the car [m/s]."""
+    torque: float
+    """Of the brake [N m]."""
+    slip: float
 
 
 class WheelObserver:
@@ -70,7 +67,7 @@ class WheelObserver:
             curve: the road as known now; None where it is not.
         """
         before = self._stamp
-        follows = before is not None and stamp - before <= _LONGEST_STEP
+        follows = before is not None and stamp - before <= LONGEST_STEP * NANOSECONDS
         if before is None or not follows or not isfinite(self._torque + self._wheel_speed + self._speed):
             self._torque, self._wheel_speed = torque, wheel_speed
         else:

@@ -3,7 +3,7 @@
     measurements -> reference speed, plausibility, brake model -> curve -> slip monitor
                  -> law (state machine or slip control) -> intervention -> axle -> command
 
-`observe` at every sample, then `decide`. Data flows one way, but for the command, which the brake model is told.
+`observe` at every sample, then `decide`. Data flows one way, but for the command, which the brake model follows.
 """
 
 from math import isfinite, nan
@@ -157,10 +157,8 @@ class WheelSupervisor:
             self.arbitration.compare(stamp, self.controller.unexplained(curve))
         slow = not known and speed < TAPER
         law = self.arbitration.update(stamp, braking, known or slow, curve is not None)
-        if not braking or law is not Law.CURVE:
-            return otherwise
-        if curve is None or not (known or slow):
-            return otherwise  # not yet a reason to change the law
+        if not braking or law is not Law.CURVE or curve is None or not (known or slow):
+            return otherwise  # what is missing may not be a reason to change the law yet
         demand = measured.demand if isfinite(measured.demand) else measured.torque
         return self.controller.ask(measured.slip if known else nan, demand, curve, self.curve.seen)
 

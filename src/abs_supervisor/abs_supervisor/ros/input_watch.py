@@ -69,7 +69,7 @@ class InputWatch:
         return self._inputs[self._vote].is_old(stamp)
 
     def wants_heartbeat(self, ages: Mapping[str, float], commanded: bool) -> bool:
-        """Whether the last command is to be repeated; `commanded` tells if there was one since the last poll."""
+        """Whether the last command is to be repeated; `commanded`: there was one since the last poll."""
         return not commanded or ages.get(self._vote, inf) > _HEARTBEAT
 
 

@@ -9,13 +9,11 @@ from std_msgs.msg import Header
 
 from abs_supervisor.axle import Axle, axles
 from abs_supervisor.parameters import CURVE, SupervisorParameters, TorqueWithHysteresis
-from abs_supervisor.ros.braking_log import BrakingLog
-from abs_supervisor.ros.curve_report import curve_report
 from abs_supervisor.ros.input_watch import InputWatch, Loss
-from abs_supervisor.ros.state_messages import state_messages
-from abs_supervisor.ros.wheel_inputs import IMU, WheelInputs
+from abs_supervisor.ros.reports import BrakingLog, diagnostic_values, state_messages
+from abs_supervisor.ros.wheel_inputs import BRAKE_DEMAND, IMU, WheelInputs, curve_report
 from abs_supervisor.speed_probe import SpeedProbe
-from abs_supervisor.state_machine import COMMANDS, Cause, Evidence, State, StateMachine
+from abs_supervisor.state_machine import COMMANDS, Cause, State, StateMachine
 from abs_supervisor.wheel_supervisor import WheelSupervisor
 from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
@@ -29,7 +27,6 @@ from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import REAR, Vehicle
 
-BRAKE_DEMAND: Final = "brake_demand"
 _QUIET = (Reason.OK, Reason.LOW_SPEED)
 """Reasons that belong to ordinary driving."""
 _MISMATCH = Reason.PRESSURE_MISMATCH
@@ -44,7 +41,6 @@ _CURVE_GAP: Final = 0.02
 """[s] curves of a tyre's blocks are further apart; nothing waits for these, as nobody knows when the next one comes."""
 _MAY_BE_LOCKED: Final = "speed known from this wheel only; it may be locked, ABS inactive"
 _DEGRADED: Final = "degraded: speed of the car from its wheels alone, select-low at the rear"
-_COUNTER_END: Final = 2**32
 _SHARED: Final = 3
 """Minimum wheel count for a speed probe."""
 
@@ -95,7 +91,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
             aligned.append(AlignedInput(IMU, optional=True))
         self._waits_for_curve = not in_real_time
         if self._waits_for_curve:
-            # Only the clock tells that the curve a sample speaks of has come: without it, it is waited for.
+            # Without the clock nothing shows that the curve of a sample has come: it is waited for.
             aligned.append(AlignedInput(inputs.curve, max_gap=_CURVE_GAP, optional=True))
         super().__init__(wheel, primary, aligned, parameters.deadline, optional=(inputs.curve, IMU))
         self._machine = StateMachine(parameters.thresholds, parameters.tolerance)
@@ -141,12 +137,12 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         self._command = Command.NONE
         return [] if self._p.shadow or self._stamp == 0 else [self._heartbeat(header_at(self._stamp, self._wheel))]
 
-    def _fail(self, loss: Loss, said: str) -> list[Output]:
+    def _fail(self, loss: Loss, text: str) -> list[Output]:
         """Go to S0 because of a loss; return the outputs if that is a transition."""
         self._reason, self._text = loss
         if self._stamp == 0 or not self._machine.fail(self._stamp):
             return []
-        self._log.note(self._machine, self._stamp, said)
+        self._log.note(self._machine, self._stamp, text)
         self._command = Command.NONE
         return self._outputs()
 
@@ -155,8 +151,8 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         return message
 
     def _take(self, topic: str, message: Any) -> str | None:
-        if topic == BRAKE_DEMAND:
-            return self._offer_demand(message)
+        if topic == BRAKE_DEMAND and message.wheel not in ("", self._wheel):
+            return None
         if topic == self._inputs.curve:
             report = curve_report(message)
             counts_from = self._supervisor.curve.put(report) if report.stamp > 0 else 0
@@ -167,7 +163,10 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         stamp, values = read
         if self._inputs.knows_wheel(topic, values):
             self._note(topic, message)
-        return self._offer(topic, stamp, values)
+        refusal = self._aligner.offer(topic, stamp, values)
+        if refusal is None and topic == self._demand:
+            self._held = (stamp, values[0])
+        return refusal
 
     def _note(self, topic: str, message: Any) -> None:
         """Note for the watch of the inputs, if there is one, that the content of a message is good."""
@@ -180,7 +179,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         self._inputs.reset()
         self._log.reset()
         self._hysteresis.reset()
-        self._held: tuple[int, float] | None = None
+        self._held = (0, nan)
         self._stamp = 0
         self._reason, self._text = Reason.NO_SLOPE, f"{self._vote}: no message yet"
         self._warned: Reason | None = None
@@ -205,36 +204,7 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         return level, self._text or self._machine.state.name
 
     def _values(self) -> dict[str, str]:
-        machine, counts = self._machine, self._machine.counts
-        return {
-            "state": machine.state.name,
-            "cause of the last transition": machine.cause.name.lower(),
-            "transitions": str(counts.transitions),
-            "instabilities": str(counts.instabilities),
-            "recoveries": str(counts.recoveries),
-            "release time-outs": str(counts.release_timeouts),
-            "fail-safes": str(counts.fail_safes),
-            "intervention": self._supervisor.intervention.phase.name,
-            "refused releases": str(self._supervisor.intervention.refused),
-            "limited releases": str(self._supervisor.intervention.limited),
-            "unchecked": self._supervisor.unchecked,
-            "shadow": str(self._p.shadow).lower(),
-        }
-
-    def _offer_demand(self, message: BrakeDemand) -> str | None:
-        if message.wheel not in ("", self._wheel):
-            return None
-        torque = self._inputs.brake.torque(BRAKE_DEMAND, message.pressure)
-        if isinstance(torque, str):
-            return torque
-        self._note(BRAKE_DEMAND, message)
-        return self._offer(BRAKE_DEMAND, to_nanoseconds(message.header.stamp), (torque,))
-
-    def _offer(self, topic: str, stamp: int, values: tuple[float, ...]) -> str | None:
-        refusal = self._aligner.offer(topic, stamp, values)
-        if refusal is None and topic == self._demand:
-            self._held = (stamp, values[0])
-        return refusal
+        return {**diagnostic_values(self._machine, self._supervisor), "shadow": str(self._p.shadow).lower()}
 
     def _fire(self, sample: AlignedSample[SlopeVote]) -> list[Output]:
         vote = sample.payload
@@ -242,56 +212,48 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
         if loss is not None and self._input_watch is not None and self._input_watch.is_old(sample.stamp):
             return []
         self._stamp, self._indicator = sample.stamp, vote.indicator
-        torque = self._torque_at(sample)
-        self._torque = nan if torque is None else torque
+        self._torque = self._torque_at(sample)
         supervisor = self._supervisor
-        supervisor.observe(
-            sample.stamp, self._inputs.observe(sample, self._torque if self._demand == BRAKE_DEMAND else nan)
-        )
+        demand = self._torque if self._demand == BRAKE_DEMAND else nan
+        supervisor.observe(sample.stamp, self._inputs.observe(sample, demand))
         if loss is not None:
             self._command = supervisor.decide(Command.NONE)
             return self._fail(loss, loss[1]) or self._outputs()
-        self._reason, self._text = self._judge(sample, torque)
+        self._reason, self._text = self._judge(sample)
         if self._p.shadow and self._reason in _MISSING and self._reason is not self._warned:
             self._warned = self._reason
             self._report("warning", f"{self._wheel}: {self._text}")
         h, indicator = vote.h, vote.indicator if vote.validity.valid else nan
         if vote.validity.reason == Reason.LOW_SPEED and supervisor.car.slides:
             h, indicator = nan, self._p.thresholds.h_instability
-        evidence = Evidence(
-            h=h,
-            indicator=indicator,
-            usable=self._reason in _USABLE,
-            slow=self._reason is Reason.LOW_SPEED,
-            braking=torque is not None and self._brakes(sample.stamp, torque),
-        )
-        if self._machine.update(sample.stamp, evidence):
+        braking = isfinite(self._torque) and self._brakes(sample.stamp, self._torque)
+        usable, slow = self._reason in _USABLE, self._reason is Reason.LOW_SPEED
+        if self._machine.update(sample.stamp, h, indicator, braking, usable, slow):
             self._log.note(self._machine, sample.stamp, self._text)
         asked = COMMANDS[self._machine.state]
-        if supervisor.by_curve and evidence.slow and evidence.braking and isfinite(supervisor.measured.car_speed):
+        if supervisor.by_curve and slow and braking and isfinite(supervisor.measured.car_speed):
             # The machine has ended; the intervention gives the brake back, and slip control goes on until it has.
             asked = Command.INCREASE
         self._command = supervisor.decide(asked)
         return self._outputs()
 
-    def _torque_at(self, sample: AlignedSample[SlopeVote]) -> float | None:
-        """Return the torque that the driver demands [N m]; None where it is not known."""
+    def _torque_at(self, sample: AlignedSample[SlopeVote]) -> float:
+        """Return the torque that the driver demands [N m]; NaN where it is not known."""
         if self._demand in sample.values:
             return sample.values[self._demand][0]
-        if self._held is not None and 0 <= sample.stamp - self._held[0] <= self._p.demand_timeout * NANOSECONDS:
-            return self._held[1]
-        return None
+        stamp, torque = self._held
+        return torque if 0 <= sample.stamp - stamp <= self._p.demand_timeout * NANOSECONDS else nan
 
     def _brakes(self, stamp: int, torque: float) -> bool:
         if self._p.braking_source == "demand":
             return torque >= self._p.braking_torque
         return self._hysteresis.update(stamp, torque)
 
-    def _judge(self, sample: AlignedSample[SlopeVote], torque: float | None) -> tuple[Reason, str]:
+    def _judge(self, sample: AlignedSample[SlopeVote]) -> tuple[Reason, str]:
         """Return the reason why the machine may not act on this sample, or OK, and its text."""
         vote, supervisor = sample.payload, self._supervisor
         measured = supervisor.measured
-        if torque is None:
+        if not isfinite(self._torque):
             return Reason.NO_DEMAND, sample.missing[self._demand]
         if not isfinite(measured.wheel_speed):
             return Reason.NO_WHEEL_SPEED, sample.missing.get(WHEEL_STATES, f"{WHEEL_STATES}: no speed of this wheel")
@@ -332,14 +294,10 @@ class WheelProcessor(AlignedProcessor[SlopeVote]):
     def _heartbeat(self, header: Header) -> Output:
         """Return the command that is in force, once more: a heartbeat."""
         self._commanded = True
-        self._counter = (self._counter + 1) % _COUNTER_END
-        command = BrakeCommand()
-        command.header = header
-        command.wheel = self._wheel
-        command.command = int(self._command)
-        command.counter = self._counter
-        command.valid_for = self._p.valid_for
-        return self._command_topic, sealed(command)
+        self._counter = (self._counter + 1) % 2**32  # uint32
+        command, counter, valid_for = int(self._command), self._counter, self._p.valid_for
+        message = BrakeCommand(header=header, wheel=self._wheel, command=command, counter=counter, valid_for=valid_for)
+        return self._command_topic, sealed(message)
 
 
 def build(parameters: SupervisorParameters, vehicle: Vehicle, report: Report = silent) -> list[WheelProcessor]:

@@ -1,4 +1,4 @@
-"""Inputs of the supervisor of one wheel: wheel speeds, slip, pressure and motion of the car, from messages."""
+"""Inputs of the supervisor of one wheel from messages: speeds, slip, pressure, friction curve, motion of the car."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -8,7 +8,9 @@ from typing import Any, Final
 from friction_msgs.msg import FrictionCurve, SlopeVote, WheelSlip
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
+from abs_supervisor.curve_selector import CurveReport, Estimate
 from abs_supervisor.measurements import Measurements
+from abs_supervisor.road_curve import RoadCurve, curve_through
 from abs_supervisor.speed_probe import CURVE_LATERAL, CURVE_YAW_RATE
 from friction_runtime.aligner import AlignedSample
 from friction_runtime.messages import speed_is_known, to_nanoseconds
@@ -19,11 +21,22 @@ from vehicle_models.physical_bounds import HIGHEST_SLIP
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
+BRAKE_DEMAND: Final = "brake_demand"
 IMU: Final = "imu/data"
 _TEXTS: Final = 20
 """Changes of the reason of a slip that are kept: a sample waits for its inputs far less long."""
 _CONSISTENT: Final = 0.02
 """[-] by which a slip may differ from that of the speeds in its message."""
+_ESTIMATES: dict[int, Estimate] = {
+    Reason.OK: Estimate.VALID,
+    Reason.UNKNOWN_CAR: Estimate.VALID,
+    Reason.PEAK_NOT_PASSED: Estimate.VAGUE,
+    Reason.UNCERTAIN: Estimate.VAGUE,
+    Reason.NO_EXCITATION: Estimate.QUIET,
+    Reason.LOW_SPEED: Estimate.QUIET,
+}
+_OF_THE_TYRE = "car"
+"""Method whose friction is that of the tyre."""
 Reading = tuple[int, tuple[float, ...]]
 
 
@@ -33,7 +46,7 @@ class WheelInputs:
     def __init__(self, wheel: str, vehicle: Vehicle, report: Report, fine: bool) -> None:
         """Choose a wheel of the car; messages without its speed go to `report`.
 
-        With `fine`, as slip control needs it, a slip that wheel_slip is not sure of counts with its standard deviation,
+        With `fine`, as slip control needs it, an uncertain slip counts with its standard deviation,
         and the motion of the car in a curve is read.
         """
         self._fine = fine
@@ -65,6 +78,9 @@ class WheelInputs:
             read = self.brake.read(message)
             return read if isinstance(read, str) else (read[0], (read[1],))
         stamp = to_nanoseconds(message.header.stamp)
+        if topic == BRAKE_DEMAND:
+            torque = self.brake.torque(topic, message.pressure)
+            return torque if isinstance(torque, str) else (stamp, (torque,))
         if topic == IMU:
             lateral = float(getattr(message.linear_acceleration, self._across))
             turns = abs(lateral) > CURVE_LATERAL or abs(message.angular_velocity.z) > CURVE_YAW_RATE
@@ -73,29 +89,27 @@ class WheelInputs:
             speeds = self._all.read(message)
             if not isfinite(speeds[self._index]):
                 self._own.read(message)  # reports why
-            flagged: list[float] = []
-            for speed in speeds:
-                flagged.extend(_flagged(speed))
-            return stamp, tuple(flagged)
-        slip, stddev = message.slip, message.slip_stddev
+            return stamp, tuple(each for speed in speeds for each in _flagged(speed))
+        slip, stddev, speed = message.slip, message.slip_stddev, message.vehicle_speed
+        turns = self._radii[self._index] * message.wheel_speed / speed if speed > 0.0 else nan
         if not message.validity.valid:
             self._keep_text(stamp, message.validity.text)
-            slip, stddev = nan, nan
-            if self._fine and message.validity.reason == Reason.UNCERTAIN:
-                slip, stddev = self._uncertain(message)
-        elif self._contradicts_itself(message):
+            slip = nan
+            uncertain = self._fine and message.validity.reason == Reason.UNCERTAIN
+            if uncertain and speed > 0.0 and speed_is_known(message):  # here its error is weighed
+                slip, stddev = 1.0 - turns, message.vehicle_speed_stddev * abs(turns / speed)
+        elif abs(1.0 - turns - slip) > _CONSISTENT:
             self._keep_text(stamp, f"{slip:.3f} contradicts the speeds in the same message")
-            slip, stddev = nan, nan
+            slip = nan
         known = abs(slip) <= HIGHEST_SLIP and 0.0 <= stddev <= HIGHEST_SLIP
+        car = _flagged(speed if speed_is_known(message) else nan)
+        doubt = message.vehicle_speed_stddev if car[1] and message.vehicle_speed_stddev < inf else 0.0
         measured = float(message.speed_measured)
         inertial = float(message.speed_measured or not isnan(message.accelerometer_wrong_probability))
-        flagged_slip = _flagged(slip if known else nan)
-        car = _flagged(message.vehicle_speed if speed_is_known(message) else nan)
-        doubt = message.vehicle_speed_stddev if car[1] and message.vehicle_speed_stddev < inf else 0.0
-        return stamp, (*flagged_slip, stddev if known else 0.0, *car, measured, inertial, doubt)
+        return stamp, (*_flagged(slip if known else nan), stddev if known else 0.0, *car, measured, inertial, doubt)
 
     def _keep_text(self, stamp: int, text: str) -> None:
-        """Keep why a slip is not valid, from a stamp [ns] on: a sample is told what holds for it, not the last."""
+        """Keep why a slip is not valid, from a stamp [ns] on: a sample gets what holds for it, not the last."""
         if self._slip_texts and stamp < self._slip_texts[-1][0]:
             self._slip_texts.clear()
         if not self._slip_texts or self._slip_texts[-1][1] != text:
@@ -106,20 +120,6 @@ class WheelInputs:
             if since <= stamp:
                 return text or "not valid"
         return "not valid"
-
-    def _contradicts_itself(self, message: WheelSlip) -> bool:
-        """Whether slip is not that of the speeds beside it."""
-        speed = message.vehicle_speed
-        by_speeds = 1.0 - self._radii[self._index] * message.wheel_speed / speed if speed > 0.0 else nan
-        return abs(message.slip - by_speeds) > _CONSISTENT
-
-    def _uncertain(self, message: WheelSlip) -> tuple[float, float]:
-        """Return slip [-] and its standard deviation where wheel_slip is not sure of it: here its error is weighed."""
-        speed, radius = message.vehicle_speed, self._radii[self._index]
-        if not (speed_is_known(message) and speed > 0.0):
-            return nan, nan
-        share = radius * message.wheel_speed / speed
-        return 1.0 - share, message.vehicle_speed_stddev * abs(share / speed)
 
     def knows_wheel(self, topic: str, values: tuple[float, ...]) -> bool:
         """Whether the values that were read from a topic say something of this wheel: its own speed may be missing."""
@@ -160,3 +160,35 @@ class WheelInputs:
 def _flagged(value: float) -> tuple[float, float]:
     """Return a value and whether it is known, for the aligner."""
     return (value, 1.0) if isfinite(value) else (0.0, 0.0)
+
+
+def curve_report(message: FrictionCurve) -> CurveReport:
+    """Return the report of a message: without a curve where its parameters are none."""
+    estimate = _ESTIMATES.get(message.validity.reason, Estimate.NONE)
+    curve = None
+    if estimate in (Estimate.VALID, Estimate.VAGUE):
+        try:
+            curve = _curve(message)
+        except ValueError:
+            estimate = Estimate.NONE
+    return CurveReport(
+        to_nanoseconds(message.header.stamp),
+        estimate,
+        curve,
+        message.lambda_max_stddev,
+        message.probability_beyond_peak,
+        message.samples,
+        message.restarts,
+        message.method == _OF_THE_TYRE,
+    )
+
+
+def _curve(message: FrictionCurve) -> RoadCurve:
+    if isnan(message.theta_1):
+        # A method may know the peak by another family than Burckhardt's, and its height not yet.
+        mu_max = message.mu_max
+        if not isfinite(mu_max):
+            share = curve_through(message.lambda_max, 1.0).friction(message.slip)
+            mu_max = message.mu / share if share > 0.0 else nan
+        return curve_through(message.lambda_max, mu_max)
+    return RoadCurve(message.theta_1, message.theta_2, message.theta_3, message.lambda_max)
