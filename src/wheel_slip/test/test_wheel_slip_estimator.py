@@ -451,3 +451,19 @@ def test_a_wheel_that_repeats_its_speed_in_a_braking_is_named_and_does_not_draw_
             errors.append((estimator.car.speed - found.speed[k]) / sqrt(estimator.car.variance))
     assert set(reasons) == {Reason.WHEEL_SENSOR}
     assert np.abs(errors).max() < 2.0
+
+
+@pytest.mark.parametrize("wheel", [0, 2])
+def test_a_wheel_speed_that_jumps_before_a_braking_is_not_an_accelerometer_that_fails(wheel: int) -> None:
+    """Rear-driven: the speed hangs on two wheels, and one of them was believed."""
+    found, estimator = hard_stop(), SlipEstimator(load_vehicle("compact_car"))
+    errors = []
+    for k, (wheels, acceleration) in enumerate(zip(found.wheel_speed, found.acceleration, strict=True)):
+        time, read = 0.005 * k, wheels.tolist()
+        if time > 2.85:
+            read[wheel] *= 0.95
+        torque = 8.0 * min(max((time - 3.02) / 0.2, 0.0), 1.0) * 1500.0 * RADIUS / 4.0
+        estimator.update((k + 1) * STEP, read, float(acceleration), torques=(torque,) * 4)
+        if time > 2.85:
+            errors.append(estimator.car.speed - found.speed[k])
+    assert np.abs(errors).max() < 0.3
