@@ -21,7 +21,7 @@ class MotionNoise:
     slope_every: float = constant(400.0, "way from one change of slope to the next", unit="m")
     slope_known: float = constant(0.05, "deviation of a slope that is known again", unit="m/s^2")
     misread: float = constant(3.0, "change of a car's acceleration in the square root of a second", unit="m/s^2")
-    fault_every: float = constant(1e4, "time from one fault of a sensor to the next", unit="s")
+    fault_every: float = constant(1e5, "time from one fault of accelerometer or brake torques to the next", unit="s")
     fault_time: float = constant(60.0, "time for which it lasts at least", unit="s")
     lateral: float = constant(2.0, "lateral acceleration of ordinary driving", unit="m/s^2")
     curve_time: float = constant(1.0, "time in which a curve comes and goes", unit="s")
@@ -56,10 +56,11 @@ class MotionNoise:
     another_radius: float = constant(0.05, "radius of another tyre than the vehicle file's, as a share")
     another_tyre: float = constant(0.06, "share of wheels that have one", unit="-")
     quiet: float = constant(0.3, "variance of rim speeds where nothing happens, as a share of what is stated for them")
+    wheel_fault_every: float = constant(1e4, "time from one fault of a wheel speed to the next", unit="s")
     failed: float = constant(5.0, "time for which a wheel that was such a surprise is not believed", unit="s")
     unknown_acceleration: float = constant(5.0, "acceleration in the square root of a second, unseen", unit="m/s^2")
 
     @property
     def surprise(self) -> float:
         """Deviations [-] from what the others say beyond which a fault in this step is the likelier reason."""
-        return sqrt(2.0 * log(self.fault_every / self.step))
+        return sqrt(2.0 * log(self.wheel_fault_every / self.step))
