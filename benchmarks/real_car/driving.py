@@ -63,7 +63,7 @@ class DriveResult:
 
     hours: float
     valid_peaks: int
-    """Runs of valid messages, of all wheels."""
+    """Runs of messages with a valid lambda_max or mu_max, of all wheels."""
     lasting_alarms: int
     """Runs of P > 0.9 that last, of all wheels."""
     largest_slip: float
@@ -87,7 +87,7 @@ def curves_of_drive(run: Recording, drive: Drive) -> DriveResult:
     lasting = round(LASTING * run.parameters.sensors.sample_rate)
     return DriveResult(
         hours=float(run.time[-1]) / 3600.0,
-        valid_peaks=len(run_lengths(found.valid == 1.0)),
+        valid_peaks=len(run_lengths((found.valid == 1.0) | (found.mu_max_valid == 1.0))),
         lasting_alarms=int(np.sum(run_lengths(found.probability_beyond_peak > ALARM) > lasting)),
         largest_slip=float(np.abs(run.tyre_slip / run.lambda_max).max()),
     )

@@ -36,6 +36,7 @@ from benchmarks.real_car.road_change import (
     two_roads_rows,
 )
 from benchmarks.real_car.stops import METHODS, Stop, make_stop, stop_rows
+from benchmarks.real_car.traction import STARTS, make_start, start_rows
 from benchmarks.runner import Row, in_processes
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.driving import Cycling
@@ -106,7 +107,7 @@ def perturbed_car(perturbation: str, road: str, method: str) -> tuple[CarParamet
 
 _FIRST_SEED = 40_000
 """Far from the seeds of the tuning."""
-_STUDIES = ("perturbations", "random", "before_peak", "road_change", "driving", "known", "cost", "curves")
+_STUDIES = ("perturbations", "random", "before_peak", "road_change", "driving", "known", "cost", "curves", "traction")
 _KNOWN_RUNS = 20
 """Runs of a known corner in one task of a process."""
 _TIMED = 2
@@ -138,6 +139,7 @@ def run(options: argparse.Namespace) -> list[Row]:
         "known": _known,
         "cost": _cost,
         "curves": _curves,
+        "traction": _traction,
     }
     return [row for name in options.studies for row in studies[name](options)]
 
@@ -172,6 +174,15 @@ def _random(options: argparse.Namespace) -> list[Row]:
         of_road = slice(number * options.seeds, (number + 1) * options.seeds)
         rows += [_informing(row) for row in stop_rows("random cars", road, results[of_road], judge_errors=True)]
         rows += bound_rows(road, bounds[of_road])
+    return rows
+
+
+def _traction(options: argparse.Namespace) -> list[Row]:
+    jobs = [(name, _FIRST_SEED + seed) for name in STARTS for seed in range(options.seeds)]
+    results = in_processes(make_start, jobs, "traction", options.processes)
+    rows: list[Row] = []
+    for number, name in enumerate(STARTS):
+        rows += start_rows(name, results[number * options.seeds : (number + 1) * options.seeds])
     return rows
 
 

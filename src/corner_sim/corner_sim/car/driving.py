@@ -139,6 +139,44 @@ class Surroundings:
     """Of the path [1/m], positive to the left."""
 
 
+class EngineCycle:
+    """Throttle of a driver, or of a traction control, that lets the rear wheels spin and comes back until they grip."""
+
+    def __init__(self, parameters: CarParameters, cycling: Cycling, most: float = inf, curvature: float = 0.0) -> None:
+        """Begin with the throttle closed.
+
+        Args:
+            parameters: the car; its times of pressure are those of the engine's torque.
+            cycling: how slips are cycled, as of a brake.
+            most: largest torque over that at the peak of the rear tyres [-].
+            curvature: of the path [1/m].
+        """
+        p, self._cycling, self._curvature = parameters, cycling, curvature
+        self._lambda_max = [tyre.peak[0] for tyre in p.tyres[2:]]
+        mu = min(tyre.peak[1] for tyre in p.tyres[2:])
+        load = p.mass * GRAVITY * (1.0 - p.front_load_share) / (1.0 - mu * p.height / p.wheelbase)
+        self._peak = 0.5 * p.radius[2] * mu * load
+        self._most = most * self._peak
+        self._torque, self._falling, self._fell = 0.0, False, False
+        self._time, self._last = 0.0, [0.0, 0.0]
+
+    def __call__(self, time: float, car: Car) -> Surroundings:
+        """Torque at a time [s], by the slips of the tyres."""
+        c, dt = self._cycling, time - self._time
+        self._time = time
+        if time >= c.start and dt > 0.0:
+            ratios = [-slip / top for slip, top in zip(car.tyre_slip[2:], self._lambda_max, strict=True)]
+            ahead = [x + (x - last) * LOOK_AHEAD / dt for x, last in zip(ratios, self._last, strict=True)]
+            self._last = ratios
+            if not self._falling and max(ahead) > c.upper:
+                self._falling = self._fell = True
+            elif max(ratios) < c.lower:
+                self._falling = False
+            rate = -1.0 / c.release if self._falling else 1.0 / (c.reapply if self._fell else c.ramp)
+            self._torque = min(max(self._torque + dt * rate * self._peak, 0.0), self._most)
+        return Surroundings(engine_torque=self._torque, curvature=self._curvature)
+
+
 LOWEST, HIGHEST = 6.0, 33.0
 """Speeds between which the driver keeps the car [m/s]."""
 HILL = 0.04

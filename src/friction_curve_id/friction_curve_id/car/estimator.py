@@ -3,7 +3,8 @@
 One curve is fitted for all wheels of the car: that they are on the same road is an assumption. While the car brakes,
 each family of curves takes one Gauss-Newton step in turn, with four wheels every 18 ms at most whatever the rate, 9 ms
 while a fit is far from where it goes; in between, the present slip is followed with the last fit. What leaves the
-window of the newest second stays as a quadratic, which fades.
+window of the newest second stays as a quadratic, which fades. While no brake acts, wheels that spin under the engine
+tell of mu_max (traction.py).
 """
 
 from dataclasses import replace
@@ -36,6 +37,7 @@ from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.passing import Passing
 from friction_curve_id.car.present_slip import present_slip
 from friction_curve_id.car.prior import SLIP_OFFSET_STDDEV, car_prior, radius_deviation
+from friction_curve_id.car.traction import Traction
 from friction_curve_id.car.tyre_deviations import LAMBDA_MAX, mu_max_deviations, side_deviations
 from friction_curve_id.car.unknowns import Unknown
 from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, Refusal, RestartCause
@@ -105,12 +107,14 @@ class CarEstimator:
         self._gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
         self._cause = RestartCause.NONE
         self._lateral = LateralMotion(vehicle)
+        self._traction = Traction(vehicle, parameters.families(), parameters.minimum_speed)
         self._begin_again(())
 
     def reset(self) -> None:
         """Forget everything; the next estimate reports a restart on request."""
         self._gate.reset()
         self.learner.reset()
+        self._traction.reset()
         self._cause = RestartCause.REQUEST
         self._begin_again(())
 
@@ -121,6 +125,11 @@ class CarEstimator:
         if isinstance(checked, Refusal):
             return (checked,) * count
         self.learner.update(checked)
+        if self._braking:
+            self._traction.reset()
+            spinning: list[CurveEstimate] = []
+        else:
+            spinning = self._traction.update(checked)
         present = tuple(int(each) for each in np.flatnonzero(np.isfinite(checked.wheel_speed)))
         if checked.after_gap:
             if self._braking:
@@ -142,7 +151,10 @@ class CarEstimator:
             ) * count
         answer = self._take(checked)
         if isinstance(answer, Refusal):
-            return (answer,) * count
+            answers: list[CurveEstimate | Refusal] = [answer] * count
+            for each, found in zip(self._traction.driven, spinning, strict=False):
+                answers[each] = found
+            return tuple(answers)
         absent = Refusal(Reason.BAD_INPUT, "wheel speed or brake pressure is missing")
         by_wheel: list[CurveEstimate | Refusal] = [absent] * count
         for each, estimate in zip(self._present, answer, strict=True):

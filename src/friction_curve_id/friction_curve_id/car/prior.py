@@ -25,8 +25,8 @@ from vehicle_models.vehicle import (
 
 Array = NDArray[np.float64]
 
-_LOG_MU_MAX = (log(0.7), 0.8)
-_LOG_LAMBDA_MAX = (log(0.14), 0.7)
+LOG_MU_MAX = (log(0.7), 0.8)
+LOG_LAMBDA_MAX = (log(0.14), 0.7)
 _PITCH = {
     Unknown.LOG_PITCH_FREQUENCY: (log(2.0 * pi * 1.6), 0.18),
     Unknown.PITCH_DAMPING: (0.45, 0.12),
@@ -92,8 +92,8 @@ def car_prior(
         for front in (True, False)
     ]
     mass = mass_deviation(vehicle)
-    put(Unknown.LOG_MU_MAX, *_LOG_MU_MAX)
-    put(Unknown.LOG_LAMBDA_MAX, *_LOG_LAMBDA_MAX)
+    put(Unknown.LOG_MU_MAX, *LOG_MU_MAX)
+    put(Unknown.LOG_LAMBDA_MAX, *LOG_LAMBDA_MAX)
     put(Unknown.SHAPE_1, shape.mean[0], shape.stddev[0])
     put(Unknown.SHAPE_2, shape.mean[1], shape.stddev[1])
     # The lever arm of the tyre's force errs with the radius: force balance and wheel equation see it as gain.
