@@ -223,6 +223,7 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(part, "ROADS", ("wet",))
     monkeypatch.setattr(part, "CHANGES", (("dry", "wet"),))
     monkeypatch.setattr(part, "SPLITS", ())
+    monkeypatch.setattr(part, "STARTS", ("pacejka snow",))
     parser = argparse.ArgumentParser()
     part.add_arguments(parser)
     arguments = ["--seeds", "1", "--hours", "0.002", "--processes", "1", "--perturbations", "48 teeth at 100 Hz"]
@@ -231,7 +232,7 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
         *("48 teeth at 100 Hz", "random cars", "ordinary driving"),
         *("before the peak, burckhardt", "before the peak, pacejka"),
         *("known exactly, exact_vehicle", "known exactly, car", "cost, exact_vehicle", "cost, car"),
-        *("held 0.6 g", "shallow, wet 0.5 g"),
+        *("held 0.6 g", "shallow, wet 0.5 g", "traction, pacejka snow"),
         *("road change", "ordinary driving, friction_slope slip", "ordinary driving, friction_slope no_slip"),
     }
     assert {row["road"] for row in rows} == {"wet", "all", "dry to wet", *TABLE_8_1}

@@ -43,7 +43,7 @@ def told(run: Recording, vehicle: Vehicle = CAR, pressure: float = 0.0) -> list[
 
 @pytest.mark.parametrize("road", ["dry", "snow"])
 def test_wheels_that_spin_tell_mu_max_and_not_the_slip_of_the_peak(road: str) -> None:
-    run = spin(road)
+    run = spin(road, seconds=8.0)
     known = [(k, each) for _, k, each in told(run) if each.mu_max_known]
     assert known
     assert {k for k, _ in known} <= {2, 3}

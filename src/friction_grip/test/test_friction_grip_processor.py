@@ -115,6 +115,7 @@ def test_a_valid_curve_bounds_above_and_one_that_is_not_does_nothing() -> None:
     for valid, mu_max, reason in (
         (True, 0.9, Reason.OK),
         (True, 0.9, Reason.UNCERTAIN),  # of lambda_max alone
+        (True, 0.9, Reason.NO_EXCITATION),  # by driven wheels that spin
         (False, nan, Reason.UNCERTAIN),
         (False, 0.9, Reason.PEAK_NOT_PASSED),
     ):

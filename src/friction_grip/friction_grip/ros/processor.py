@@ -28,6 +28,8 @@ _REVOLUTION: Final = 0.5
 """Longest time between two forces of a smart tyre [s], which come once a revolution."""
 _LARGEST: Final = 100.0
 """Acceleration that no accelerometer of a car reads [m/s^2]."""
+_PASSED: Final = (Reason.UNCERTAIN, Reason.NO_EXCITATION)
+"""Of a curve whose lambda_max is not known: its mu_max may be, of a braking, or of driven wheels that spin."""
 Speeds = tuple[float, ...]
 
 
@@ -89,7 +91,7 @@ class GripProcessor(AlignedProcessor[Speeds]):
         if topic in self._forces:
             return self._aligner.offer(topic, stamp, _of_tyre(message))
         if brake is None:
-            known = message.validity.valid or message.validity.reason == Reason.UNCERTAIN  # the peak was passed
+            known = message.validity.valid or message.validity.reason in _PASSED
             values = (message.mu_max, message.mu_max_stddev, 1.0) if known else (0.0, 0.0, 0.0)
             return self._aligner.offer(topic, stamp, values if all(map(isfinite, values)) else (0.0, 0.0, 0.0))
         reading = brake.read(message)
