@@ -5,7 +5,7 @@
 | v | speed of the middle of the rear axle, forward positive | m/s | v' = (a_m - b)(1 - k) + (t_0 + t) a_m' + n_a |
 | b | offset of the accelerometer and slope of the road | m/s^2 | walks: by `offset_walk`, the slope, or `misread` |
 | k | error of the accelerometer's gain: scale, pitch of the body | - | constant |
-| u | yaw rate, counter-clockwise positive | rad/s | u' = -u / T_u + n_u |
+| u | yaw rate, counter-clockwise positive | rad/s | u' = u_m' - (u - u_m) / T_u + n_u, measured u_m or 0 |
 | t | age of the accelerometer beyond that of the vehicle file | s | constant, not estimated |
 | f | error of the force of the engine over the mass: bias of the accelerometer, drag | m/s^2 | constant |
 | s | slip of tyres beyond their peak, all alike | - | is forgotten in `slide_time` |
@@ -124,6 +124,7 @@ class CarMotion:
         self._steps: deque[Means] = deque(maxlen=3)
         self._step.reset()
         self._carried = self._misread_way = 0.0
+        self._yaw_rate: float | None = None
         self._judged = False
         self._beyond_brakes = (nan, nan)
         """What the accelerometer read beyond the brakes' deceleration in the last two steps [m/s^2]."""
@@ -266,12 +267,14 @@ class CarMotion:
         else:
             self._mix(dt, told)
             self._predict(dt)
+            self._turn(dt, yaw_rate)
         self._step.begin(stamp)
         if self.started:
             if len(self._steps) == 3:
                 self._correct_by_wheels(stamp, dt, torques if told else None)
-            if yaw_rate is not None:
+            if yaw_rate is not None and self._yaw_rate is None:
                 self._bank.correct_one(self._of_yaw, yaw_rate - self._bank.x[:, U], self._noise.gyroscope**2)
+            self._yaw_rate = yaw_rate
             self._tell()
 
     def _start(self) -> None:
@@ -341,8 +344,16 @@ class CarMotion:
         unknown = max(2.0 * p.slope**2 - float(covariance[SLOPE_CHANGED, B, B]), 0.0)
         covariance[SLOPE_CHANGED, B, B] += dt * speed / p.slope_length * unknown
         self._misread_walk(dt)
-        self._bank.forget(U, exp(-dt / p.curve_time), 0.0, (p.lateral / max(speed, SLOWEST_TURN)) ** 2)
         self._bank.forget(S, exp(-dt / p.slide_time), p.slide, p.slide_alike * p.slide_stddev**2)
+
+    def _turn(self, dt: float, yaw_rate: float | None) -> None:
+        """Let the yaw rate follow what is measured, whose error lasts as a curve does, else let the curve end."""
+        p, stddev = self._noise, self._noise.lateral / max(abs(self._speed), SLOWEST_TURN)
+        towards = 0.0
+        if yaw_rate is not None and self._yaw_rate is not None:
+            self._bank.x[:, U] += yaw_rate - self._yaw_rate
+            towards, stddev = yaw_rate, p.gyroscope
+        self._bank.forget(U, exp(-dt / p.curve_time), towards, stddev**2)
 
     def _misread_walk(self, dt: float) -> None:
         """Let the offset of a wrong accelerometer follow what it reads beyond the brakes, as the torques tell them."""
