@@ -16,7 +16,7 @@ from benchmarks.cycled_stops import FAMILIES, VEHICLE
 from benchmarks.runner import Row, at_least, at_most, not_judged
 from corner_sim.car.car import Car
 from corner_sim.car.cornering_car import CorneringCar
-from corner_sim.car.driving import Cycling, EngineCycle, Surroundings
+from corner_sim.car.driving import Cycling, EngineCycle, PressureProfile, Surroundings
 from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import record
 from friction_curve_id.car import CarEstimator, CarSample
@@ -35,6 +35,7 @@ GRACE: Final = 0.2
 _SPEED, _DURATION, _CHANGE = 6.0, 5.0, 2.5
 """[m/s] at the begin; [s] of a drive, and when the road changes."""
 _INTERVAL: Final = 1.96
+_NO_BRAKE: Final = PressureProfile((0.0,), (0.0,))
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ def make_start(job: tuple[str, int]) -> Told:
             car.tyres = [FAMILIES[start.family][start.then]] * 4
         return engine(time, car)
 
-    run = record(parameters, _NoBrake(), seed, speed=speed, duration=_DURATION, surroundings=around, car=car)
+    run = record(parameters, _NO_BRAKE, seed, speed=speed, duration=_DURATION, surroundings=around, car=car)
     truth = run.mu_max.copy()
     changed = run.time >= _CHANGE if start.then else np.zeros(len(run.time), dtype=bool)
     if start.then:
@@ -125,11 +126,6 @@ def make_start(job: tuple[str, int]) -> Told:
     first = float(run.time[passed.argmax()]) if passed.any() else np.nan
     after = float(table[0, 0]) - first if len(table) else inf if passed.any() else np.nan
     return Told(after, table[:, 1], table[:, 1] / table[:, 2])
-
-
-class _NoBrake:
-    def pressure(self, time: float, dt: float, car: Car) -> list[float]:
-        return [0.0] * 4
 
 
 def start_rows(name: str, drives: Sequence[Told]) -> list[Row]:

@@ -51,6 +51,27 @@ class Cycling:
     """Slip over lambda_max at which it rises again."""
 
 
+class _Swing:
+    """A wheel that is taken through its peak and back, by a brake or an engine."""
+
+    def __init__(self, cycling: Cycling) -> None:
+        """Begin with the first rise."""
+        self._cycling = cycling
+        self._falling = self._fell = False
+
+    def turn(self, above: bool, below: bool) -> None:
+        """Begin to fall where the slip will be `above` the upper turn, to rise where it is `below` the lower one."""
+        if not self._falling and above:
+            self._falling = self._fell = True
+        elif below:
+            self._falling = False
+
+    def rate(self, rise: float, fall: float) -> float:
+        """Change per second, where `rise` and `fall` are changed in the times of the cycling."""
+        c = self._cycling
+        return -fall / c.release if self._falling else rise / (c.reapply if self._fell else c.ramp)
+
+
 class SlipCycle:
     """Pressure of each wheel that rises until its slip is beyond the peak and falls until it is below again.
 
@@ -67,8 +88,7 @@ class SlipCycle:
         self._lambda_max = [tyre.peak[0] for tyre in parameters.tyres]
         self._pressure = [0.0] * 4
         self._last_slip = [0.0] * 4
-        self._fell = [False] * 4
-        self._falling = [False] * 4
+        self._swings = [_Swing(cycling) for _ in range(4)]
 
     def pressure(self, time: float, dt: float, car: Car, most: float = inf) -> list[float]:
         """Pressures [Pa] of the step of dt [s] from `time` [s], by the slips of the tyres, shape (4,).
@@ -84,15 +104,9 @@ class SlipCycle:
             ratio = slip / self._lambda_max[i]
             growth = (slip - self._last_slip[i]) * LOOK_AHEAD / dt
             self._last_slip[i] = slip
-            if not self._falling[i] and slip + growth > min(c.upper * self._lambda_max[i], MAX_SLIP):
-                self._falling[i] = True
-                self._fell[i] = True
-            elif ratio < c.lower:
-                self._falling[i] = False
-            if self._falling[i]:
-                rate = -self._fall[i] / c.release
-            else:
-                rate = self._peak_pressure[i] / (c.reapply if self._fell[i] else c.ramp)
+            above = slip + growth > min(c.upper * self._lambda_max[i], MAX_SLIP)
+            self._swings[i].turn(above, ratio < c.lower)
+            rate = self._swings[i].rate(self._peak_pressure[i], self._fall[i])
             self._pressure[i] = min(max(self._pressure[i] + dt * rate, 0.0), most)
         return self._pressure
 
@@ -157,7 +171,7 @@ class EngineCycle:
         load = p.mass * GRAVITY * (1.0 - p.front_load_share) / (1.0 - mu * p.height / p.wheelbase)
         self._peak = 0.5 * p.radius[2] * mu * load
         self._most = most * self._peak
-        self._torque, self._falling, self._fell = 0.0, False, False
+        self._torque, self._swing = 0.0, _Swing(cycling)
         self._time, self._last = 0.0, [0.0, 0.0]
 
     def __call__(self, time: float, car: Car) -> Surroundings:
@@ -168,12 +182,9 @@ class EngineCycle:
             ratios = [-slip / top for slip, top in zip(car.tyre_slip[2:], self._lambda_max, strict=True)]
             ahead = [x + (x - last) * LOOK_AHEAD / dt for x, last in zip(ratios, self._last, strict=True)]
             self._last = ratios
-            if not self._falling and max(ahead) > c.upper:
-                self._falling = self._fell = True
-            elif max(ratios) < c.lower:
-                self._falling = False
-            rate = -1.0 / c.release if self._falling else 1.0 / (c.reapply if self._fell else c.ramp)
-            self._torque = min(max(self._torque + dt * rate * self._peak, 0.0), self._most)
+            self._swing.turn(max(ahead) > c.upper, max(ratios) < c.lower)
+            rate = self._swing.rate(self._peak, self._peak)
+            self._torque = min(max(self._torque + dt * rate, 0.0), self._most)
         return Surroundings(engine_torque=self._torque, curvature=self._curvature)
 
 
