@@ -19,7 +19,8 @@ from vehicle_models.vehicle_file import load_vehicle
 
 CAR = load_vehicle("compact_car")
 NO_BRAKE = PressureProfile((0.0,), (0.0,))
-FAST_CUT = Cycling(ramp=1.0, reapply=0.4, release=0.06)
+FAST_CUT = Cycling(ramp=1.0, reapply=0.4, release=0.06, upper=3.0)
+"""Wheels spin to three times the slip of the peak, as they do before a driver or a control notices."""
 
 
 def spin(road: str, most: float = inf, right: str = "", family: str = "pacejka", seconds: float = 4.0) -> Recording:
@@ -75,10 +76,11 @@ def test_on_a_split_road_no_wheel_has_the_friction_of_the_other() -> None:
 
 
 def test_where_no_axle_runs_free_or_a_brake_acts_nothing_is_told_of_traction() -> None:
-    run = spin("snow", seconds=2.0)
+    run = spin("snow", seconds=8.0)
+    assert told(run)
     driven = tuple(replace(wheel, driven=True) for wheel in CAR.wheels)
     assert told(run, replace(CAR, wheels=driven)) == []
-    assert not [each for _, _, each in told(run, pressure=20e5) if each.reason is Reason.NO_EXCITATION]
+    assert told(run, pressure=20e5) == []  # from the first sample on: the speed before this braking is unknown
 
 
 def test_once_the_wheels_grip_the_number_is_not_told_any_more() -> None:

@@ -125,11 +125,7 @@ class CarEstimator:
         if isinstance(checked, Refusal):
             return (checked,) * count
         self.learner.update(checked)
-        if self._braking:
-            self._traction.reset()
-            spinning: list[CurveEstimate] = []
-        else:
-            spinning = self._traction.update(checked)
+        spinning = self._traction.update(checked, self._braking or self._unknown_start)
         present = tuple(int(each) for each in np.flatnonzero(np.isfinite(checked.wheel_speed)))
         if checked.after_gap:
             if self._braking:
@@ -151,13 +147,12 @@ class CarEstimator:
             ) * count
         answer = self._take(checked)
         if isinstance(answer, Refusal):
-            answers: list[CurveEstimate | Refusal] = [answer] * count
-            for each, found in zip(self._traction.driven, spinning, strict=False):
-                answers[each] = found
-            return tuple(answers)
-        absent = Refusal(Reason.BAD_INPUT, "wheel speed or brake pressure is missing")
-        by_wheel: list[CurveEstimate | Refusal] = [absent] * count
-        for each, estimate in zip(self._present, answer, strict=True):
+            otherwise, told = answer, zip(self._traction.driven, spinning, strict=False)
+        else:
+            otherwise = Refusal(Reason.BAD_INPUT, "wheel speed or brake pressure is missing")
+            told = zip(self._present, answer, strict=True)
+        by_wheel: list[CurveEstimate | Refusal] = [otherwise] * count
+        for each, estimate in told:
             by_wheel[each] = estimate
         return tuple(by_wheel)
 

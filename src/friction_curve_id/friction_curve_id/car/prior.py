@@ -27,10 +27,12 @@ Array = NDArray[np.float64]
 
 LOG_MU_MAX = (log(0.7), 0.8)
 LOG_LAMBDA_MAX = (log(0.14), 0.7)
+DAMPER_SHARE = (0.6, 0.35)
+"""Of the dampers in the load transfer, mean and standard deviation [-]."""
 _PITCH = {
     Unknown.LOG_PITCH_FREQUENCY: (log(2.0 * pi * 1.6), 0.18),
     Unknown.PITCH_DAMPING: (0.45, 0.12),
-    Unknown.DAMPER_SHARE: (0.6, 0.35),
+    Unknown.DAMPER_SHARE: DAMPER_SHARE,
 }
 """Pitch of passenger cars; no keys of the vehicle file."""
 _START_SPEED_STDDEV = 0.05

@@ -121,6 +121,7 @@ def fit_curve(
     covariance[np.ix_(free, free)] = np.linalg.inv(information) * np.outer(stddev[free], stddev[free])
     log_det = float(np.linalg.slogdet(information / (2.0 * pi))[1])
     evidence = -0.5 * (float(off @ off) + log_det) - count / alike * log(noise)
+    newest = float(wrong[-FEWEST:].sum() / weight[-FEWEST:].sum())
     p, _, _ = evaluate(z)
     mu_max = exp(float(p[MU]))
-    return Fit(p, covariance, evidence, rms / mu_max, float(wrong[-FEWEST:].mean()) / mu_max, noise)
+    return Fit(p, covariance, evidence, rms / mu_max, newest / mu_max, noise)

@@ -21,19 +21,14 @@ from numpy.typing import NDArray
 
 from friction_curve_id.car.car_sample import Checked
 from friction_curve_id.car.curve_family import Family, ShapePrior
+from friction_curve_id.car.prior import DAMPER_SHARE
 from friction_curve_id.car.spin_fit import FEWEST, LAMBDA, LEAST_NOISE, MU, NODE, Fit, fit_curve
 from friction_curve_id.interface import CurveEstimate
-from vehicle_models.constants import AIR_DENSITY, GRAVITY
+from vehicle_models.constants import GRAVITY
 from vehicle_models.lateral_forces import ACROSS
 from vehicle_models.reason import Reason
-from vehicle_models.vehicle import (
-    FRONT,
-    STATED,
-    Vehicle,
-    absolute_deviation,
-    deviation_of,
-    relative_deviation,
-)
+from vehicle_models.vehicle import STATED, Vehicle, absolute_deviation, deviation_of, relative_deviation
+from vehicle_models.wheel_forces import PitchMode, coasting_acceleration
 
 Array = NDArray[np.float64]
 
@@ -52,8 +47,6 @@ LASTS: Final = 0.2
 ROUGH, OFF = 0.12, 0.06
 """[-] of mu_max by which a fit misses nodes, and the newest FEWEST of them in the mean: beyond, the wheels follow no
 common curve, or are on another road."""
-DAMPERS: Final = 0.6
-"""[-] share of the dampers' force that moves load."""
 BEYOND, SURE = 0.1, 4.0
 """[s] for which a wheel has been beyond the peak, by so many standard deviations of ln lambda_max: a driver has his
 wheels before the peak for hours, and each fit is another chance to be wrong."""
@@ -68,8 +61,6 @@ ACROSS_TIME: Final = 0.2
 class Node(NamedTuple):
     """Means over NODE; arrays of the W driven wheels."""
 
-    time: float
-    """[s]"""
     slips: Array
     """After the relaxation of the tyre, and its derivatives by LENGTH and TIMING, shape (3, W)."""
     friction: Array
@@ -105,20 +96,19 @@ class Traction:
         if len(axles) != 1 or not free or axles & {wheels[k].axle for k in free}:
             self.driven = []
             return
-        self._free, self._families, self._minimum_speed = free, families, minimum_speed
+        self._vehicle, self._free, self._families, self._minimum_speed = vehicle, free, families, minimum_speed
         self._radii, self._track = np.array(vehicle.radii), vehicle.track
         self._right = np.array([1.0 if wheels[k].side == "right" else -1.0 for k in free])
-        self._drag = 0.5 * AIR_DENSITY * vehicle.drag_area / vehicle.mass
-        self._rolling = GRAVITY * vehicle.rolling_resistance
         mounting, wheel = vehicle.accelerometer, wheels[self.driven[0]]
         self._scale = mounting.scale * (1.0 + GRAVITY * mounting.pitch_gain)
-        front = wheel.axle == FRONT
-        share = vehicle.front_load_share if front else 1.0 - vehicle.front_load_share
-        self._load, self._transfer = GRAVITY * share, -vehicle.height_ratio if front else vehicle.height_ratio
+        share = sum(vehicle.load_shares[k] for k in self.driven)
+        self._load, self._transfer = GRAVITY * share, -sum(vehicle.transfer_shares[k] for k in self.driven)
         self._spinning = sum(wheels[k].inertia / wheels[k].radius ** 2 for k in free) / vehicle.mass
         self._inertia = len(self.driven) * wheel.inertia / wheel.radius**2 / vehicle.mass
         self._length = wheel.relaxation_length
-        self._pitch, self._damping = 2.0 * pi * vehicle.pitch_frequency, vehicle.pitch_damping
+        self._pitch = PitchMode(vehicle.pitch_frequency, vehicle.pitch_damping)
+        self._dampers = DAMPER_SHARE[0] * vehicle.pitch_damping / (pi * vehicle.pitch_frequency)
+        """Time by which the dampers move load ahead of the pitch [s]."""
         height = STATED["centre_of_gravity_height"] * vehicle.centre_of_gravity_height
         moved = deviation_of(vehicle.deviations, "centre_of_gravity_height", height) / vehicle.wheelbase
         loaded = hypot(absolute_deviation(vehicle.deviations, "front_load_share"), moved) / share
@@ -137,7 +127,7 @@ class Traction:
         self._last: Checked | None = None
         self._gathered, self._pushed, self._turned = 0.0, 0.0, np.zeros(len(self._radii))
         self._speed, self._across = nan, 0.0
-        self._pitched, self._pitch_rate = 0.0, 0.0
+        self._pitch.settle(0.0)
         self._slip, self._by_length, self._rim = np.zeros((3, len(self.driven)))
         self._forget()
 
@@ -147,11 +137,11 @@ class Traction:
         self._peak: Peak | None = None
         self._fitted_at = -np.inf
 
-    def update(self, sample: Checked) -> list[CurveEstimate]:
-        """Take the next sample; return the estimate of each driven wheel, none while no wheel spins."""
+    def update(self, sample: Checked, braked: bool) -> list[CurveEstimate]:
+        """Take the next sample; return the estimate of each driven wheel, none while none spins or a brake acts."""
         if not self.driven:
             return []
-        if sample.after_gap or not np.isfinite(sample.wheel_speed).all() or not isfinite(sample.acceleration):
+        if braked or sample.after_gap or not np.isfinite(sample.wheel_speed).all() or not isfinite(sample.acceleration):
             self.reset()
             return []
         last, self._last = self._last, sample
@@ -180,13 +170,10 @@ class Traction:
         relaxed = slip + kept * (self._slip - slip)
         rate, self._slip = (relaxed - self._slip) / dt, relaxed
         spun, self._rim = (rim[self.driven] - self._rim) / dt, rim[self.driven]
-        self._pitch_rate += (
-            dt * self._pitch * (self._pitch * (pushed - self._pitched) - 2.0 * self._damping * self._pitch_rate)
-        )
-        self._pitched += dt * self._pitch_rate
-        moved = self._pitched + DAMPERS * 2.0 * self._damping / self._pitch * self._pitch_rate
-        load = self._load + self._transfer * moved
-        friction = (pushed + self._drag * speed**2 + self._rolling + self._spinning * (speed - before) / dt) / load
+        self._pitch.step(dt, pushed)
+        load = self._load + self._transfer * (self._pitch.moved + self._dampers * self._pitch.rate)
+        resisted = self._spinning * (speed - before) / dt - float(coasting_acceleration(self._vehicle, speed))
+        friction = (pushed + resisted) / load
         apart = self._inertia * (spun - spun.mean()) / load  # torque that turns one wheel faster than the other
         across = speed * 2.0 * float((self._right * rim[self._free]).mean()) / self._track / GRAVITY
         self._across += (across - self._across) * min(dt / ACROSS_TIME, 1.0)
@@ -195,7 +182,7 @@ class Traction:
             return
         whole = hypot(1.0, min(abs(sideways), SIDEWAYS) / ACROSS)  # slip and friction of a tyre point the same way
         slips = whole * np.array([relaxed, self._by_length, rate])
-        node = Node(time, slips, whole * (apart - friction), whole / load, whole)
+        node = Node(slips, whole * (apart - friction), whole / load, whole)
         self._nodes.append(node)
         if float(relaxed.min()) < -SPINS and len(self._nodes) >= FEWEST and time - self._fitted_at >= INTERVAL:
             self._fitted_at = time
