@@ -11,9 +11,9 @@ from friction_bags.offline.estimators import closed_loop_parameters
 from friction_runtime.processor import Output, ProcessorGraph
 
 
-def loop_parameters(estimators: Iterable[str], law: str, wheels: int) -> dict[str, Any]:
+def loop_parameters(estimators: Iterable[str], law: str) -> dict[str, Any]:
     """Return the parameters of estimators, abs_supervisor among them, which is under a law and follows no clock."""
-    parameters = closed_loop_parameters(estimators, law, wheels)
+    parameters = closed_loop_parameters(estimators, law)
     parameters["abs_supervisor"] = replace(parameters["abs_supervisor"], real_time=False)
     return parameters
 

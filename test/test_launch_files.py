@@ -16,6 +16,7 @@ from friction_bringup import graph
 from friction_bringup.demo_drive import CALIBRATION, WAITED_FOR, plant_of_demo
 from friction_bringup.node_start import (
     WATCHING,
+    Decided,
     commanding,
     composed_arguments,
     left_to_file,
@@ -183,7 +184,7 @@ def test_full_names_and_other_nodes_in_a_file_are_fine(namespace: str, tmp_path:
 def test_combination_that_a_node_refuses_is_refused_before_it_starts(tmp_path: Path) -> None:
     file = write(tmp_path, {"/**/corner_sim": {"real_time_factor": 0.0}})
     with pytest.raises(ParameterError, match=r"corner_sim: .*lock_step"):
-        node_starts(graph.NODES, commanding("curve", CAR), file, CAR)
+        node_starts(graph.NODES, commanding("curve"), file, CAR)
 
 
 def test_command_line_quotes_every_kind_of_parameter() -> None:
@@ -203,11 +204,12 @@ def test_command_line_quotes_every_kind_of_parameter() -> None:
 
 def test_one_process_takes_what_is_decided_for_each_of_its_nodes(tmp_path: Path) -> None:
     file = write(tmp_path, {"/**/wheel_slip": {"deadline": 0.1}})
-    starts = node_starts(graph.NODES, commanding("curve", CAR), file, CAR)
+    decided: Decided = {**commanding("curve"), "friction_curve_id": {"method": "ml"}}
+    starts = node_starts(graph.NODES, decided, file, CAR)
     made = composed_arguments(starts)
     files = [made[place + 1] for place, flag in enumerate(made) if flag == "--params-file"]
     assert files == [*(str(shipped_file(node)) for node in ESTIMATORS if node in graph.COMPOSED), file]
-    assert made[made.index('friction_curve_id:method:="car"') - 1] == "-p"
+    assert made[made.index('friction_curve_id:method:="ml"') - 1] == "-p"
     assert {word.split(":")[0] for word in made if ":=" in word} == set(graph.COMPOSED)
 
 

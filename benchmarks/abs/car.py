@@ -178,6 +178,6 @@ def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
 
 def _processors(law: str, setup: CarSetup) -> list[Processor]:
     nominal = setup.nominal
-    parameters = loop_parameters(WHEEL_ESTIMATORS, law, len(nominal.wheels))
+    parameters = loop_parameters(WHEEL_ESTIMATORS, law)
     parameters["abs_supervisor"] = replace(parameters["abs_supervisor"], select_low=setup.select_low)
     return make_processors(parameters, nominal, silent)

@@ -93,7 +93,7 @@ def heard(road: str, seed: int, law: str) -> tuple[Mapping[str, Heard], int]:
         seed=seed,
     )
     simulation = Simulation(plant, setup.vehicle, _START)
-    parameters = loop_parameters(ESTIMATORS, law, len(setup.nominal.wheels))
+    parameters = loop_parameters(ESTIMATORS, law)
     parameters[SMART_TYRE] = replace(parameters[SMART_TYRE], calibration_file=str(plant_calibration()))
     graph = ProcessorGraph(make_processors(parameters, setup.nominal, silent))
     begin = _START + round(onset * NANOSECONDS)

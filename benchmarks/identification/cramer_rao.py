@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from benchmarks.protocol import CORNER
 from corner_sim.sensors import CHAPTER_NOISE, SensorNoise
-from vehicle_models import burckhardt, burckhardt_log
+from vehicle_models import burckhardt
 from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
@@ -104,21 +104,16 @@ def information(found: Sensitivities, samples: int, noise: SensorNoise = CHAPTER
     return np.asarray(full[:, :3, :3] - coupling @ np.linalg.solve(full[:, 3:, 3:], np.swapaxes(coupling, 1, 2)))
 
 
-def relative_bound(theta: ArrayLike, of_theta: Array, prior: ArrayLike | None = None) -> Array:
+def relative_bound(theta: ArrayLike, of_theta: Array) -> Array:
     """Smallest standard deviation of lambda_max relative to it, shape (n,).
-
-    With a prior it is that of the posterior linearised at the truth, (information + prior)^-1: what an estimator with
-    this prior attains on the average over truths drawn from the prior (van Trees).
 
     Args:
         theta: roads, shape (n, 3).
         of_theta: information of theta, shape (n, 3, 3).
-        prior: information of (ln th1, ln th2, ln(th3 / th1)), shape (3, 3).
     """
     roads = np.atleast_2d(np.asarray(theta, dtype=np.float64))
-    to_theta = burckhardt_log.theta_jacobian(roads)
-    of_q = np.swapaxes(to_theta, 1, 2) @ of_theta @ to_theta
-    if prior is not None:
-        of_q = of_q + np.asarray(prior)
-    gradient = np.ascontiguousarray(burckhardt_log.lambda_gradient(burckhardt.peak_exponent(roads)).T)
-    return np.asarray(np.sqrt(np.einsum("ni,nij,nj->n", gradient, np.linalg.inv(of_q), gradient)))
+    exponent = burckhardt.peak_exponent(roads)
+    # lambda_max = ln(th1 th2 / th3) / th2; logarithms: equal steps are equal shares of each parameter
+    gradient = np.stack([1.0 / exponent, 1.0 / exponent - 1.0, -1.0 / exponent], axis=-1)
+    of_log = roads[:, :, np.newaxis] * of_theta * roads[:, np.newaxis, :]
+    return np.asarray(np.sqrt(np.einsum("ni,nij,nj->n", gradient, np.linalg.inv(of_log), gradient)))

@@ -1,4 +1,4 @@
-"""Runs of one estimator through noisy manoeuvres, sample by sample, and the statistics of their peaks and alarms."""
+"""Runs of one estimator through noisy manoeuvres, sample by sample, and the statistics of their peaks."""
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
@@ -13,7 +13,6 @@ from benchmarks.runner import Row, in_processes
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.interface import CurveEstimate, CurveEstimator, Refusal, Sample
 from friction_curve_id.methods import exact_wheel_estimator
-from vehicle_models.vehicle import CornerParameters
 
 Array = NDArray[np.float64]
 
@@ -58,14 +57,6 @@ class Batch:
     runs: Sequence[tuple[int, Sequence[int]]]
     """Number of the manoeuvre in `truth`, and the seed of its noise."""
     source: FrictionSource = FrictionSource.DEAD_RECKONED
-    wheel: CornerParameters = CORNER
-    """Wheel and load that the estimator is given."""
-    speed_bias: float = 0.0
-    """Added to the measured speed [m/s]."""
-    torque_gain: float = 1.0
-    """Factor on the measured torque."""
-    outliers: tuple[int, int, str] | None = None
-    """First sample, sign and signals (of w, v, T) of five samples off by ten times their noise."""
 
 
 def make(batches: Iterable[Batch], title: str, processes: int = 2) -> dict[str, Traces]:
@@ -87,7 +78,7 @@ def _make_chunk(task: tuple[Batch, int]) -> Traces:
     values = np.full((len(runs), len(batch.truth.time), len(SERIES)), np.nan)
     exceptions = 0
     for row, (number, seed) in zip(values, runs, strict=True):
-        estimator = exact_wheel_estimator(batch.method, batch.wheel, source=batch.source)
+        estimator = exact_wheel_estimator(batch.method, CORNER, source=batch.source)
         try:
             follow(estimator, measured(batch, number, seed), row)
         except Exception:  # any kind counts as a divergence of the method under test
@@ -98,13 +89,6 @@ def _make_chunk(task: tuple[Batch, int]) -> Traces:
 def measured(batch: Batch, number: int, seed: Sequence[int]) -> Iterator[Sample]:
     """Noisy samples of one run, as the estimator gets them."""
     omega, speed, torque = batch.truth.noisy(number, np.random.default_rng(list(seed)))
-    if batch.outliers is not None:
-        first, sign, signals = batch.outliers
-        for name, signal, stddev in (("w", omega, 0.005**0.5), ("v", speed, 0.5), ("T", torque, 10.0**0.5)):
-            if name in signals:
-                signal[first : first + 5] += sign * 10.0 * stddev
-    speed = speed + batch.speed_bias
-    torque = torque * batch.torque_gain
     for k, stamp in enumerate(batch.truth.time):
         yield Sample(float(stamp), float(omega[k]), float(speed[k]), float(torque[k]))
 
@@ -172,31 +156,6 @@ def kept_from(traces: Traces, lambda_max: Array, limit: float) -> float:
     last_outside = np.where(outside.any(axis=1), error.shape[1] - np.argmax(outside[:, ::-1], axis=1), 0)
     first = np.where(last_outside >= error.shape[1], np.inf, last_outside + 1.0)
     return float(np.median(first))
-
-
-def alarm_row(traces: Traces, slip: Array, lambda_max: Array, interval: float) -> Row:
-    """Delay of P(beyond the peak) > 0.9 behind the true crossing, at the resolution of the samples.
-
-    Args:
-        traces: of the runs.
-        slip: true, shape (runs, samples).
-        lambda_max: true, shape (runs,).
-        interval: sample time [s].
-    """
-    crossing = np.argmax(slip > lambda_max[:, np.newaxis], axis=1)
-    alarmed = traces["probability_beyond_peak"] > 0.9
-    missed = ~alarmed.any(axis=1)
-    delay = np.where(missed, np.inf, 1e3 * interval * (np.argmax(alarmed, axis=1) - crossing))
-    early = delay < -25.0
-    return {
-        "runs": len(delay),
-        "delay_ms_median": float(np.median(delay)),
-        "delay_ms_p95": float(np.quantile(delay, 0.95, method="higher")),
-        "delay_ms_first": float(delay.min()),
-        "misses": int(missed.sum()),
-        "early_alarms": int(early.sum()),
-        "early_per_1000": 1e3 * float(early.mean()),
-    }
 
 
 def _mean(values: Array) -> float:

@@ -51,7 +51,6 @@ class Drive:
     seed: int
     road: str
     family: str
-    method: str
     across: Across = Across.MEASURED
     duration: float = DRIVE
     """[s]"""
@@ -83,7 +82,7 @@ def record_drive(drive: Drive) -> Recording:
 
 def curves_of_drive(run: Recording, drive: Drive) -> DriveResult:
     """Estimate the curves of a drive and count what is claimed."""
-    found = follow(drive.method, run, len(run.time), _across(run, drive))
+    found = follow(run, len(run.time), _across(run, drive))
     lasting = round(LASTING * run.parameters.sensors.sample_rate)
     return DriveResult(
         hours=float(run.time[-1]) / 3600.0,

@@ -1,7 +1,6 @@
 """Friction curves of cars with uncertain parameters, on the independent plant corner_sim.car, with limits.
 
-Study `perturbations`: each perturbation alone on a nominal car. Method exact_vehicle assumes a car without
-load transfer, relaxation and delays; `car` assumes the values of the vehicle file.
+Study `perturbations`: each perturbation alone on a car with the values of the vehicle file.
 """
 
 import argparse
@@ -35,30 +34,24 @@ from benchmarks.real_car.road_change import (
     rise_rows,
     two_roads_rows,
 )
-from benchmarks.real_car.stops import METHODS, Stop, make_stop, stop_rows
+from benchmarks.real_car.stops import Stop, make_stop, stop_rows
 from benchmarks.real_car.traction import STARTS, make_start, start_rows
 from benchmarks.runner import Row, in_processes
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.driving import Cycling
 from corner_sim.car.random_car import random_car
 from corner_sim.car.tyres import BRUSH_TYRES, TYRES, Scaled
-from friction_curve_id.methods import EXACT_VEHICLE
 from friction_parameters.command_line import count, positive
 from vehicle_models.surfaces import TABLE_8_1
 
 ROADS = tuple(TYRES["burckhardt"])
-NOMINAL_CARS: Mapping[str, CarParameters] = MappingProxyType(
-    {
-        EXACT_VEHICLE: CarParameters(height=0.0),
-        "car": CarParameters(
-            relaxation_length=(0.3,) * 4,
-            damper_share=0.5,
-            pitch_gain=0.0026,
-            sensors=SensorParameters(encoder_teeth=48, acceleration_delay=0.005),
-        ),
-    }
+NOMINAL_CAR = CarParameters(
+    relaxation_length=(0.3,) * 4,
+    damper_share=0.5,
+    pitch_gain=0.0026,
+    sensors=SensorParameters(encoder_teeth=48, acceleration_delay=0.005),
 )
-"""The car without any perturbation, by the method that is judged."""
+"""The car without any perturbation."""
 
 
 def _gains(factor: float) -> Mapping[str, Any]:
@@ -69,9 +62,9 @@ def _gains(factor: float) -> Mapping[str, Any]:
 PERTURBATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "none": {},
-        "load transfer": {"height": 0.2 * CarParameters().wheelbase},
+        "load transfer +10 %": {"height": 1.1 * CarParameters().height},
         "relaxation 0.05 m": {"relaxation_length": (0.05,) * 4},
-        "relaxation 0.3 m": {"relaxation_length": (0.3,) * 4},
+        "relaxation 0.6 m": {"relaxation_length": (0.6,) * 4},
         "pressure 10 ms late": {"pressure_delay": 0.01},
         "pressure 20 ms late": {"pressure_delay": 0.02},
         "brake gain -10 %": _gains(0.9),
@@ -90,19 +83,18 @@ PERTURBATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "1000 Hz": {"sample_rate": 1000},
     }
 )
-"""Changes to the car, by the name of the perturbation; `car` believes in the relaxation length of 0.3 m."""
+"""Changes to the car, by the name of the perturbation."""
 
 
-def perturbed_car(perturbation: str, road: str, method: str) -> tuple[CarParameters, Cycling]:
-    """Make the car of a perturbation on a road, for a method of NOMINAL_CARS, and the way it is braked."""
+def perturbed_car(perturbation: str, road: str) -> tuple[CarParameters, Cycling]:
+    """Make the car of a perturbation on a road, and the way it is braked."""
     changes = dict(PERTURBATIONS[perturbation])
     cycling = Cycling(ramp=changes.pop("ramp", Cycling.ramp))
     tyre = {**TYRES, "brush": BRUSH_TYRES}[changes.pop("family", "burckhardt")][road]
     rear = Scaled(tyre, **changes.pop("rear")) if "rear" in changes else tyre
-    nominal = NOMINAL_CARS[method]
     of_sensors = {name: changes.pop(name) for name in list(changes) if hasattr(SensorParameters, name)}
-    sensors = replace(nominal.sensors, **of_sensors)
-    return replace(nominal, tyres=(tyre, tyre, rear, rear), sensors=sensors, **changes), cycling
+    sensors = replace(NOMINAL_CAR.sensors, **of_sensors)
+    return replace(NOMINAL_CAR, tyres=(tyre, tyre, rear, rear), sensors=sensors, **changes), cycling
 
 
 _FIRST_SEED = 40_000
@@ -119,7 +111,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seeds", type=count, default=50, help="seeds a perturbation and road; random cars a road")
     parser.add_argument("--hours", type=positive, default=0.2, help="hours of ordinary driving")
     parser.add_argument("--first-drive", type=count, default=1, help="number of the first drive: long ones in parts")
-    parser.add_argument("--method", choices=METHODS, default=EXACT_VEHICLE, help="the estimator that is judged")
     parser.add_argument("--studies", nargs="+", choices=_STUDIES, default=list(_STUDIES), help="what to study")
     parser.add_argument(
         "--perturbations", nargs="+", choices=PERTURBATIONS, default=list(PERTURBATIONS), help="for 'perturbations'"
@@ -147,7 +138,7 @@ def run(options: argparse.Namespace) -> list[Row]:
 def _perturbations(options: argparse.Namespace) -> list[Row]:
     cases = [(perturbation, road) for perturbation in options.perturbations for road in ROADS]
     jobs = [
-        Stop(*perturbed_car(perturbation, road, options.method), _FIRST_SEED + seed, options.method)
+        Stop(*perturbed_car(perturbation, road), _FIRST_SEED + seed)
         for perturbation, road in cases
         for seed in range(options.seeds)
     ]
@@ -165,7 +156,7 @@ def _random(options: argparse.Namespace) -> list[Row]:
         for seed in range(options.seeds):
             number = _FIRST_SEED + seed
             car = random_car(number, road, _family(seed))
-            jobs.append(Stop(car.parameters, car.cycling, number, options.method))
+            jobs.append(Stop(car.parameters, car.cycling, number))
     results = in_processes(make_stop, jobs, "random cars", options.processes)
     cars = [Bound(_FIRST_SEED + seed, road, _family(seed)) for road in ROADS for seed in range(options.seeds)]
     bounds = in_processes(bound, cars, "bound with all perturbations", options.processes)
@@ -189,9 +180,7 @@ def _traction(options: argparse.Namespace) -> list[Row]:
 def _before_peak(options: argparse.Namespace) -> list[Row]:
     rows: list[Row] = []
     for family in TYRES:
-        jobs = [
-            Rise(_FIRST_SEED + seed, road, family, options.method) for road in ROADS for seed in range(options.seeds)
-        ]
+        jobs = [Rise(_FIRST_SEED + seed, road, family) for road in ROADS for seed in range(options.seeds)]
         results = in_processes(make_rise, jobs, f"before the peak, {family}", options.processes)
         rows += rise_rows(family, [each for result in results for each in result])
     return rows
@@ -200,7 +189,7 @@ def _before_peak(options: argparse.Namespace) -> list[Row]:
 def _road_change(options: argparse.Namespace) -> list[Row]:
     cases = [(roads, False) for roads in CHANGES] + [(roads, True) for roads in SPLITS]
     jobs = [
-        TwoRoads(_FIRST_SEED + seed, roads, split, _family(seed), options.method)
+        TwoRoads(_FIRST_SEED + seed, roads, split, _family(seed))
         for roads, split in cases
         for seed in range(options.seeds)
     ]
@@ -212,12 +201,12 @@ def _road_change(options: argparse.Namespace) -> list[Row]:
 
 
 def _driving(options: argparse.Namespace) -> list[Row]:
-    jobs = drives(options.hours, options.first_drive, options.method)
+    jobs = drives(options.hours, options.first_drive)
     results = in_processes(_one_drive, jobs, "ordinary driving", options.processes)
     return drive_rows([curves for curves, _ in results]) + slope_drive_rows([signs for _, signs in results])
 
 
-def drives(hours: float, first: int, method: str) -> list[Drive]:
+def drives(hours: float, first: int) -> list[Drive]:
     """Drives of `hours` together, from the one with the number `first` >= 1 on; cars and IMUs go by number."""
     seconds = round(3600.0 * hours, 3)
     return [
@@ -225,7 +214,6 @@ def drives(hours: float, first: int, method: str) -> list[Drive]:
             _FIRST_SEED + k,
             ROADS[k // 2 % len(ROADS)],
             _family(k),
-            method,
             Across(k % len(Across)),
             min(DRIVE, seconds - done * DRIVE),
         )
@@ -240,19 +228,14 @@ def _one_drive(drive: Drive) -> tuple[DriveResult, SlopeDrive]:
 
 
 def _known(options: argparse.Namespace) -> list[Row]:
-    """Both methods, whichever is judged elsewhere."""
-    rows: list[Row] = []
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.seeds)
-    for method in METHODS:
-        jobs = [
-            Known(road, method, tuple(seeds[first : first + _KNOWN_RUNS]))
-            for road in TABLE_8_1
-            for first in range(0, options.seeds, _KNOWN_RUNS)
-        ]
-        found = in_processes(make_known, jobs, f"known exactly, {method}", options.processes)
-        parts = zip(jobs, found, strict=True)
-        rows += known_rows(method, [(job.road, answers) for job, answers in parts])
-    return rows
+    jobs = [
+        Known(road, tuple(seeds[first : first + _KNOWN_RUNS]))
+        for road in TABLE_8_1
+        for first in range(0, options.seeds, _KNOWN_RUNS)
+    ]
+    found = in_processes(make_known, jobs, "known exactly", options.processes)
+    return known_rows([(job.road, answers) for job, answers in zip(jobs, found, strict=True)])
 
 
 def _cost(options: argparse.Namespace) -> list[Row]:

@@ -41,7 +41,6 @@ class TwoRoads:
     split: bool
     """Left and right; else one after the other."""
     family: str
-    method: str
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,7 @@ def make_two_roads(job: TwoRoads) -> TwoRoadsResult:
         changed = roads.changed_at
         new = run.time[:, np.newaxis] > changed
         truth = np.where(new[:, :, np.newaxis], second.peak, first.peak)
-    found = follow(job.method, run, len(run.time))
+    found = follow(run, len(run.time))
     valid = found.valid == 1.0
     lambda_inside = np.abs(found.lambda_max - truth[:, :, 0]) <= 1.96 * found.lambda_max_stddev
     mu_inside = np.abs(found.mu_max - truth[:, :, 1]) <= 1.96 * found.mu_max_stddev
@@ -161,7 +160,6 @@ class Rise:
     seed: int
     road: str
     family: str
-    method: str
 
 
 def make_rise(rise: Rise) -> list[tuple[float, float, bool]]:
@@ -174,7 +172,7 @@ def make_rise(rise: Rise) -> list[tuple[float, float, bool]]:
     # the unevenness of the road moves the load, so that the friction used is not smooth; its first reach counts
     reached = {share: run.mu > share * run.mu_max for share in MEDIAN}
     samples = max(int(np.where(each.any(axis=0), each.argmax(axis=0), 0).max()) for each in reached.values()) + 1
-    found = follow(rise.method, run, samples)
+    found = follow(run, samples)
     results = []
     for share, each in reached.items():
         for wheel in range(4):

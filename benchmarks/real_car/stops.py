@@ -1,8 +1,7 @@
-"""Braking to a standstill with random cars: estimates of all wheels, followed by method, and their rows with limits."""
+"""Braking to a standstill with random cars: estimates of all wheels, and their rows with limits."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,68 +12,10 @@ from corner_sim.car.car_parameters import CarParameters
 from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
 from friction_curve_id.car import CarEstimator, CarSample
-from friction_curve_id.interface import CurveEstimate, Refusal, Sample
-from friction_curve_id.methods import EXACT_VEHICLE, exact_wheel_estimator
-from vehicle_models.vehicle import Vehicle
+from friction_curve_id.interface import Refusal
 from vehicle_models.vehicle_file import load_vehicle
 
 Array = NDArray[np.float64]
-
-
-class CarMethod(Protocol):
-    """Friction curves of all wheels of a car without a speed sensor."""
-
-    def update(
-        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float, across: Array
-    ) -> Sequence[CurveEstimate | Refusal]:
-        """Take the next sample; return an answer for each wheel, in the order of the wheels.
-
-        Args:
-            time: [s].
-            wheel_speed: [rad/s].
-            brake_pressure: [Pa].
-            acceleration: [m/s^2].
-            across: lateral acceleration [m/s^2] and yaw rate [rad/s], NaN where they are not measured.
-        """
-
-
-class WheelByWheel:
-    """One estimator for each wheel, with its share of the nominal car; the acceleration is not used."""
-
-    def __init__(self, vehicle: Vehicle) -> None:
-        """Make them of method `exact_vehicle` with their shipped parameters."""
-        self._gains = [wheel.brake_gain for wheel in vehicle.wheels]
-        self._estimators = [exact_wheel_estimator(EXACT_VEHICLE, vehicle.corner(name)) for name in vehicle.wheel_names]
-
-    def update(
-        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float, across: Array
-    ) -> Sequence[CurveEstimate | Refusal]:
-        """See CarMethod."""
-        del acceleration, across
-        parts = zip(self._estimators, self._gains, wheel_speed, brake_pressure, strict=True)
-        return [
-            estimator.update(Sample(time, float(omega), None, gain * float(pressure)))
-            for estimator, gain, omega, pressure in parts
-        ]
-
-
-class WholeCar:
-    """friction_curve_id.car: all wheels at once."""
-
-    def __init__(self, vehicle: Vehicle) -> None:
-        """Make it with its shipped parameters."""
-        self._estimator = CarEstimator(vehicle)
-
-    def update(
-        self, time: float, wheel_speed: Array, brake_pressure: Array, acceleration: float, across: Array
-    ) -> Sequence[CurveEstimate | Refusal]:
-        """See CarMethod."""
-        leftward, yaw_rate = across.tolist()
-        return self._estimator.update(CarSample(time, wheel_speed, brake_pressure, acceleration, leftward, yaw_rate))
-
-
-METHODS: dict[str, Callable[[Vehicle], CarMethod]] = {EXACT_VEHICLE: WheelByWheel, "car": WholeCar}
-"""What may be judged."""
 
 
 VEHICLE = "compact_car"
@@ -97,19 +38,18 @@ class Answers:
     restarted: Array
 
 
-def follow(method: str, run: Recording, samples: int, across: Array | None = None) -> Answers:
-    """Feed the first `samples` samples of a recording to an estimator by name.
+def follow(run: Recording, samples: int, across: Array | None = None) -> Answers:
+    """Feed the first `samples` samples of a recording to the estimator of the car, with its shipped parameters.
 
-    `across`: lateral accelerations and yaw rates as CarMethod takes them, shape (N, 2); None: they are not measured.
+    `across`: lateral accelerations [m/s^2] and yaw rates [rad/s], shape (N, 2); None: they are not measured.
     """
-    estimator = METHODS[method](load_vehicle(VEHICLE))
+    estimator = CarEstimator(load_vehicle(VEHICLE))
     found = np.full((samples, 4, len(STATED)), np.nan)
     found[:, :, -3:] = 0.0
     across = np.full((samples, 2), np.nan) if across is None else across
     for k in range(samples):
-        answers = estimator.update(
-            float(run.time[k]), run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k]), across[k]
-        )
+        measured = run.wheel_speed[k], run.brake_pressure[k], float(run.acceleration[k])
+        answers = estimator.update(CarSample(float(run.time[k]), *measured, *across[k].tolist()))
         for wheel, answer in enumerate(answers):
             if not isinstance(answer, Refusal):
                 found[k, wheel] = stated(answer)
@@ -136,7 +76,6 @@ class Stop:
     parameters: CarParameters
     cycling: Cycling
     seed: int
-    method: str
 
 
 @dataclass(frozen=True)
@@ -183,7 +122,7 @@ def make_stop(stop: Stop) -> StopResult:
         raise ValueError(f"no wheel passes its peak with seed {stop.seed}")
     first = float(run.time[beyond.any(axis=1).argmax()])
     samples = int(np.searchsorted(run.time, first + FOLLOWED))
-    return judge(run, follow(stop.method, run, min(samples, len(run.time))), first)
+    return judge(run, follow(run, min(samples, len(run.time))), first)
 
 
 def judge(run: Recording, found: Answers, first: float) -> StopResult:

@@ -42,7 +42,7 @@ def make_loop(job: tuple[str, str, int]) -> tuple[Stop, Stop]:
     law, road, seed = job
     vehicle = in_order(load_vehicle(VEHICLE))
     wheels = vehicle.wheel_names
-    graph = ProcessorGraph(make_processors(loop_parameters(WHEEL_ESTIMATORS, law, len(wheels)), vehicle, silent))
+    graph = ProcessorGraph(make_processors(loop_parameters(WHEEL_ESTIMATORS, law), vehicle, silent))
     plant = SimParameters(
         model=CAR,
         initial_speed=SPEED,

@@ -79,7 +79,7 @@ def stop_of_demo(road: str, seed: int = 1) -> Stop:
         seed=seed,
     )
     simulation = Simulation(plant, CAR, _START)
-    graph = ProcessorGraph(make_processors(loop_parameters(WHEEL_ESTIMATORS, "curve", 4), CAR, silent))
+    graph = ProcessorGraph(make_processors(loop_parameters(WHEEL_ESTIMATORS, "curve"), CAR, silent))
     stop = Stop(_START + round(onset * NANOSECONDS), wheels={wheel: [] for wheel in CAR.wheel_names})
     turning: dict[str, float] = {}
     while simulation.end is None and simulation.time < onset + _LONGEST:

@@ -19,9 +19,9 @@ from benchmarks.real_car.driving import (
     sensor_messages,
     slope_drive_rows,
 )
-from benchmarks.real_car.part import NOMINAL_CARS, PERTURBATIONS, perturbed_car
+from benchmarks.real_car.part import NOMINAL_CAR, PERTURBATIONS, perturbed_car
 from benchmarks.real_car.road_change import TwoRoads, TwoRoadsResult, make_two_roads, rise_rows, two_roads_rows
-from benchmarks.real_car.stops import METHODS, VEHICLE, Answers, judge, stop_rows
+from benchmarks.real_car.stops import VEHICLE, Answers, judge, stop_rows
 from benchmarks.runner import Row, run_lengths
 from corner_sim.car.car import load_variation
 from corner_sim.car.driving import Cycling, SlipCycle
@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 
 @pytest.fixture(scope="module")
 def run() -> Recording:
-    parameters, cycling = perturbed_car("none", "dry", "exact_vehicle")
+    parameters, cycling = perturbed_car("none", "dry")
     return record(parameters, SlipCycle(parameters, cycling), 1)
 
 
@@ -104,18 +104,16 @@ def test_what_is_valid_before_50_ms_fails(run: Recording) -> None:
     assert not quantities(rows)["valid before 0.05 s [%]"]["passed"]
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("perturbation", PERTURBATIONS)
-def test_a_perturbation_is_alone(perturbation: str, method: str) -> None:
-    (car, cycling), (none, plain) = (perturbed_car(each, "snow", method) for each in (perturbation, "none"))
-    assert none == replace(NOMINAL_CARS[method], tyres=(TYRES["burckhardt"]["snow"],) * 4)
+def test_a_perturbation_is_alone(perturbation: str) -> None:
+    (car, cycling), (none, plain) = (perturbed_car(each, "snow") for each in (perturbation, "none"))
+    assert none == replace(NOMINAL_CAR, tyres=(TYRES["burckhardt"]["snow"],) * 4)
     changed = {each.name for each in fields(car) if getattr(car, each.name) != getattr(none, each.name)}
-    nominal = perturbation == "none" or (method, perturbation) == ("car", "relaxation 0.3 m")
-    assert len(changed) + (cycling != plain) == (not nominal)
+    assert len(changed) + (cycling != plain) == (perturbation != "none")
 
 
 def test_the_car_without_perturbation_is_that_of_the_vehicle_file() -> None:
-    car, vehicle = NOMINAL_CARS["car"], load_vehicle(VEHICLE)
+    car, vehicle = NOMINAL_CAR, load_vehicle(VEHICLE)
     for name in ("mass", "front_load_share", "wheelbase", "track", "drag_area", "rolling_resistance"):
         assert getattr(car, name) == getattr(vehicle, name), name
     for name in ("radius", "inertia", "brake_gain", "relaxation_length"):
@@ -161,7 +159,7 @@ def test_what_stays_valid_and_wrong_on_a_new_road_fails() -> None:
 
 
 def test_snow_after_dry_is_never_valid_with_the_peak_of_dry() -> None:
-    found = make_two_roads(TwoRoads(77_001, ("dry", "snow"), False, "burckhardt", "car"))
+    found = make_two_roads(TwoRoads(77_001, ("dry", "snow"), False, "burckhardt"))
     assert found.last_old < 0.1
 
 
@@ -191,7 +189,7 @@ def test_the_load_of_the_bound_has_the_correlation_of_the_road() -> None:
 
 
 def test_torques_and_forces_of_the_bound_are_those_of_the_plant() -> None:
-    car, _ = perturbed_car("relaxation 0.3 m", "dry", "exact_vehicle")
+    car, _ = perturbed_car("none", "dry")
     car = replace(car, sensors=replace(car.sensors, sample_rate=1000))
     run = record(car, SlipCycle(car, Cycling()), 1)
     n = int(np.searchsorted(run.time, first_passing(run) + 0.4))
@@ -213,10 +211,10 @@ def test_a_bound_is_a_few_percent_and_snow_leaves_most() -> None:
 
 
 def test_hours_made_in_parts_are_those_made_at_once() -> None:
-    whole = part.drives(0.2, 1, "car")
+    whole = part.drives(0.2, 1)
     assert sum(drive.duration for drive in whole) == pytest.approx(720.0)
-    assert part.drives(0.1, 1, "car") + part.drives(0.1, 4, "car") == whole
-    assert min(drive.duration for drive in part.drives(2.2, 1, "car")) == 120.0, "no drive of a rounding error"
+    assert part.drives(0.1, 1) + part.drives(0.1, 4) == whole
+    assert min(drive.duration for drive in part.drives(2.2, 1)) == 120.0, "no drive of a rounding error"
 
 
 def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -231,7 +229,7 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
     assert {row["case"] for row in rows} == {
         *("48 teeth at 100 Hz", "random cars", "ordinary driving"),
         *("before the peak, burckhardt", "before the peak, pacejka"),
-        *("known exactly, exact_vehicle", "known exactly, car", "cost, exact_vehicle", "cost, car"),
+        *("known exactly", "cost"),
         *("held 0.6 g", "shallow, wet 0.5 g", "traction, pacejka snow"),
         *("road change", "ordinary driving, friction_slope slip", "ordinary driving, friction_slope no_slip"),
     }
@@ -242,7 +240,7 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
 
 @pytest.mark.parametrize("across", Across)
 def test_imus_that_do_not_turn_are_seen_as_such(across: Across) -> None:
-    drive = Drive(1, "dry", "burckhardt", "car", across, duration=2.0)
+    drive = Drive(1, "dry", "burckhardt", across, duration=2.0)
     run, vehicle = record_drive(drive), load_vehicle(VEHICLE)
     lateral = LateralInput(vehicle.accelerometer)
     read = [lateral.read(dict(sample)["imu/data"]) for sample in sensor_messages(run, vehicle, drive)]

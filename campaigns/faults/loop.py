@@ -148,7 +148,7 @@ class Loop:
         self._fault = case.make(Site(vehicle, np.random.default_rng([seed, 13])))
         self._now = 0.0
         self._acting: Fault = at_once
-        parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law, len(vehicle.wheels))
+        parameters = closed_loop_parameters(WHEEL_ESTIMATORS, law)
         self._processors = make_processors(parameters, vehicle, silent)
         self._readers: dict[str, list[Processor]] = {}
         for processor in self._processors:

@@ -198,7 +198,7 @@ def _answers(car: Vehicle, stop: Stop, change: Change) -> dict[str, list[Any]]:
     """Return the answers to a stop whose sensors are changed, by the last part of their topic."""
     law = "curve" if len(car.wheels) > 1 else "slope_sign"
     nodes = ("wheel_slip", _SLOPE, "friction_curve_id", "abs_supervisor")
-    graph = ProcessorGraph(make_processors(closed_loop_parameters(nodes, law, len(car.wheels)), car, silent))
+    graph = ProcessorGraph(make_processors(closed_loop_parameters(nodes, law), car, silent))
     found: dict[str, list[Any]] = {}
     for topic, message in stop:
         changed = deepcopy(message)

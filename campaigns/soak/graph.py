@@ -216,7 +216,7 @@ class SoakGraph:
 
     def _start(self, env: Mapping[str, str]) -> None:
         readers = len(WHEEL_ESTIMATORS) + 1  # and this process
-        commands = commanding(_LAW, _VEHICLE)
+        commands = commanding(_LAW)
         plant = {"end_time": self._lap, "real_time_factor": self._pace, "wait_for_subscribers": readers}
         decided = {
             **commands,

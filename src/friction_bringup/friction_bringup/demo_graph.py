@@ -172,7 +172,7 @@ def _decided(options: DemoOptions) -> Decided:
     of_demo = plant_of_demo(options.surface, options.vehicle)
     waited_for = graph.wheel_states_subscriptions(composed=True) + _LISTENERS
     plant = {**of_demo[graph.PLANT], "exit_when_done": True, "autostart": False, WAITED_FOR: waited_for}
-    decided: Decided = {**commanding(options.law, options.vehicle), **of_demo, graph.PLANT: plant}
+    decided: Decided = {**commanding(options.law), **of_demo, graph.PLANT: plant}
     decided = left_to_file(decided, graph.PLANT, WAITED_FOR, str(options.params_file))
     return left_to_file(decided, SMART_TYRE, CALIBRATION, str(options.params_file))
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from friction_adapter.map_file import map_reference
-from friction_bags.offline.estimators import needs_curve_of_car
 from friction_bringup import graph
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_parameters.parameter_file import NodeName, file_values, is_ros_own
@@ -21,12 +20,9 @@ WATCHING: Decided = {graph.SUPERVISOR: {"shadow": True}}
 """The supervisor does not command a brake, whatever is in a file."""
 
 
-def commanding(law: str, vehicle_file: str) -> Decided:
+def commanding(law: str) -> Decided:
     """Let the supervisor command the brake by a law: only in the demo, where the brake is simulated."""
-    decided: dict[str, Mapping[str, graph.ParameterValue]] = {graph.SUPERVISOR: {"shadow": False, "law": law}}
-    if needs_curve_of_car(law, len(load_vehicle(vehicle_file).wheels)):
-        decided["friction_curve_id"] = {"method": "car"}
-    return decided
+    return {graph.SUPERVISOR: {"shadow": False, "law": law}}
 
 
 def left_to_file(decided: Decided, node: str, name: str, params_file: str, namespace: str = "") -> Decided:

@@ -34,7 +34,7 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         "use_sim_time": False,
         WAITED_FOR: graph.wheel_states_subscriptions(composed),
     }
-    decided = {**commanding(argument(context, "law"), argument(context, "vehicle_file")), **of_demo, graph.PLANT: plant}
+    decided = {**commanding(argument(context, "law")), **of_demo, graph.PLANT: plant}
     files = argument(context, "params_file"), full_namespace(context)
     decided = left_to_file(decided, graph.PLANT, WAITED_FOR, *files)
     return node_actions(context, graph.NODES, left_to_file(decided, SMART_TYRE, CALIBRATION, *files), composed)

@@ -81,7 +81,7 @@ def test_valid_slope_signs_of_the_sign_law_are_the_true_ones() -> None:
     given |= {"car.drive_times": [0.0], "car.drive_speeds": [22.0], "lock_step": True}
     vehicle = in_order(load_vehicle(CARS["car"]))
     simulation = Simulation(from_mapping(SimParameters, given), vehicle, 10**12)
-    processors = make_processors(closed_loop_parameters(WHEEL_ESTIMATORS, "slope_sign", 4), vehicle, silent)
+    processors = make_processors(closed_loop_parameters(WHEEL_ESTIMATORS), vehicle, silent)
     graph = ProcessorGraph(processors)
     signs: dict[str, list[tuple[float, ...]]] = {wheel: [] for wheel in vehicle.wheel_names}
     truth: list[tuple[float, ...]] = []

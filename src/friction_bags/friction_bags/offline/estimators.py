@@ -53,25 +53,10 @@ def read_parameters(
     return found
 
 
-def needs_curve_of_car(law: str, wheels: int) -> bool:
-    """Whether a law of abs_supervisor needs method `car` of friction_curve_id on a car with some number of wheels.
-
-    The curve's law of several wheels does: it needs a curve that knows of the load transfer.
-    """
-    return law == "curve" and wheels > 1
-
-
-def closed_loop_parameters(estimators: Iterable[str], law: str = "slope_sign", wheels: int = 1) -> dict[str, Any]:
-    """Return the shipped parameters of some estimators, by name; abs_supervisor, among them, commands by `law`.
-
-    The sign's law has the curve of `exact_vehicle` on any car: it takes lambda_max with its doubt, valid or not, and a
-    curve that waits until the peak has been passed with confidence comes too late for it (a lock of 0.14 s, not 0.05).
-    """
+def closed_loop_parameters(estimators: Iterable[str], law: str = "slope_sign") -> dict[str, Any]:
+    """Return the shipped parameters of some estimators, by name; abs_supervisor, among them, commands by `law`."""
     found = read_parameters(estimators, (), silent)
     found["abs_supervisor"] = replace(found["abs_supervisor"], shadow=False, law=law)
-    if "friction_curve_id" in found:
-        method = "car" if needs_curve_of_car(law, wheels) else "exact_vehicle"
-        found["friction_curve_id"] = replace(found["friction_curve_id"], method=method)
     return found
 
 
