@@ -76,6 +76,7 @@ PERTURBATIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "Pacejka": {"family": "pacejka"},
         "brush tyres": {"family": "brush"},
         "tyres with load sensitivity 10 %": {"load_sensitivity": 0.1},
+        "radius 2 % less at twice the load": {"radius_loss": 0.02},
         "other tyres at the rear": {"rear": {"friction_factor": 1.06, "slip_factor": 1.1}},
         "load varying 5 % RMS": {"load_variation": 0.05},
         "first rise of 3 s": {"ramp": 3.0},

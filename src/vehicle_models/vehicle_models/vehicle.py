@@ -107,6 +107,9 @@ class Wheel:
     relaxation_length: float = parameter(
         0.3, "distance over which its tyre responds to slip", unit="m", minimum=1e-3, maximum=3.0
     )
+    radius_loss: float = parameter(
+        0.023, "share of the rolling radius that its tyre loses where its load doubles", minimum=0.0, maximum=0.2
+    )
     deviations: Deviations = _deviations()
 
     def __post_init__(self) -> None:
@@ -317,6 +320,7 @@ STATED = {
 STATED_ABSOLUTE = {
     "front_load_share": 0.0115,
     "front_roll_share": 0.05,
+    "radius_loss": 0.007,
     "brake_pressure_delay": 0.012,
     "engine_drag_torque": 46.0,
     "bias": 0.17,

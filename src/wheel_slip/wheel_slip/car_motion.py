@@ -201,6 +201,7 @@ class CarMotion:
         reading: float | None,
         torques: Sequence[float] = (),
         yaw_rate: float | None = None,
+        radius_doubt: Array | float = 0.0,
     ) -> None:
         """Take one sample.
 
@@ -210,7 +211,9 @@ class CarMotion:
             reading: of the accelerometer, forward positive [m/s^2], None if there is none.
             torques: of the brakes one step ago [N m], NaN where unknown; empty where no brake is known.
             yaw_rate: [rad/s], counter-clockwise positive, None if there is none.
+            radius_doubt: standard deviations of the radii under load as shares, shape (wheels,).
         """
+        self._radius_variance = self._noise.radius**2 + np.square(radius_doubt)
         if self._step.pauses(stamp):
             self.reset()
         self._step.add(stamp, rim_speeds, reading, torques, yaw_rate)
@@ -407,7 +410,7 @@ class CarMotion:
         # To second order: while neither slip over force nor the engine's force is known, their product is an error.
         unknown = np.diagonal(self.covariance)
         both = unknown[C : self._e] * unknown[F] * (forces.by_engine * speed) ** 2
-        lasting = (compliance * forces.doubt * speed) ** 2 + late + (p.radius * speed) ** 2
+        lasting = (compliance * forces.doubt * speed) ** 2 + late + self._radius_variance * speed**2
         lasting = lasting + both / np.maximum(self._untold, p.correlation / p.engine_time)
         use = np.isfinite(z) & ~locked
         if use.any():

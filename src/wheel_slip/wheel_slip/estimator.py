@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 
+import numpy as np
+
 from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
 from sensor_monitor.frozen_wheel import FrozenWheels
 from sensor_monitor.signal_noise import MORE, SignalNoise
@@ -11,6 +13,7 @@ from sensor_monitor.unit_check import UnitCheck
 from sensor_monitor.wheel_noise import WheelNoise
 from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
 from vehicle_models.reason import Reason
+from vehicle_models.rolling_radius import RollingRadius
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.car_motion import MISREAD, MISTOLD, SLOPE_CHANGED, CarMotion, WheelMotion
 from wheel_slip.estimate import (
@@ -48,8 +51,8 @@ class SlipEstimator:
         p = parameters.wheel_filter
         self._names = vehicle.wheel_names
         self._wheels = [WheelSpeedFilter(p, parameters.max_gap, each.encoder_teeth) for each in vehicle.wheels]
-        self._radii = vehicle.radii
-        self._units = UnitCheck(sum(vehicle.radii) / len(vehicle.radii))
+        self._at_rest, self._rolling = np.array(vehicle.radii), RollingRadius(vehicle)
+        self._units = UnitCheck(float(self._at_rest.mean()))
         self._frozen = FrozenWheels()
         self._noise = WheelNoise(p.speed_stddev**2)
         self.car = CarMotion(vehicle, p.speed_stddev)
@@ -100,10 +103,15 @@ class SlipEstimator:
         for wheel, measured, known in zip(self._wheels, wheel_speeds, seen, strict=True):
             if known:
                 wheel.update(stamp, measured)
-        wheels = list(zip(self._wheels, wheel_speeds, self._radii, seen, strict=True))
+        reading = acceleration if acceleration is not None and isfinite(acceleration) else None
+        turned = yaw_rate if yaw_rate is not None and isfinite(yaw_rate) else None
+        # Where nothing measures a curve, what the wheels show of it has their radii in it.
+        leftward = turned * self.car.speed if turned is not None and self.car.started else 0.0
+        loaded, doubt = self._rolling.under(self.car.acceleration if reading is None else reading, leftward)
+        self._loaded, self._doubt = loaded.tolist(), doubt.tolist()
+        wheels = list(zip(self._wheels, wheel_speeds, (self._at_rest * loaded).tolist(), seen, strict=True))
         rims = [omega * radius if known and not wheel.in_gap else nan for wheel, omega, radius, known in wheels]
         frozen = self._frozen.update(stamp, rims)
-        reading = acceleration if acceleration is not None and isfinite(acceleration) else None
         if reading is not None:
             self._read = True
             self._accelerometer_noise.update(stamp, reading)
@@ -111,8 +119,7 @@ class SlipEstimator:
             self.car.set_drift(self._accelerometer_noise.drift if noisy else 0.0)
         self._watch_noise(stamp, wheel_speeds)
         rolling = [nan if dead else rim for rim, dead in zip(rims, frozen, strict=True)]
-        turned = yaw_rate if yaw_rate is not None and isfinite(yaw_rate) else None
-        self.car.update(stamp, rolling, reading, torques, turned)
+        self.car.update(stamp, rolling, reading, torques, turned, doubt)
         self.speed_sensor.follow(stamp, self.car)
         for sample in measured_speeds:
             self.speed_sensor.update(sample, self.car)
@@ -121,7 +128,7 @@ class SlipEstimator:
         self._units.update(stamp, smooth, rates, reading, measured_speeds[-1].speed if measured_speeds else None)
         of_car = self._known()
         return [
-            self._estimate(wheel, known, self.car.wheel(index), _FROZEN if frozen[index] else of_car)
+            self._estimate(wheel, known, self._motion(index), _FROZEN if frozen[index] else of_car)
             for index, (wheel, _, _, known) in enumerate(wheels)
         ]
 
@@ -169,6 +176,13 @@ class SlipEstimator:
             for wheel in self._wheels:
                 wheel.know_noise(self._noise.variance)
             self.car.set_noise(self._noise.variance)
+
+    def _motion(self, index: int) -> WheelMotion:
+        """Return the motion of a wheel on the radius that it has under its load."""
+        motion = self.car.wheel(index)
+        return motion._replace(
+            radius=motion.radius * self._loaded[index], radius_variance=motion.radius_variance + self._doubt[index] ** 2
+        )
 
     def _known(self) -> tuple[Reason, str]:
         """Return whether the motion of the car gives a slip: the reason where it gives none, and that in words."""

@@ -133,6 +133,18 @@ class Car:
         ]
 
     @property
+    def radius(self) -> list[float]:
+        """Effective rolling radii under the loads on an even road [m]."""
+        p = self._p
+        if p.radius_loss == 0.0:
+            return list(p.radius)
+        weight = p.mass * GRAVITY
+        return [
+            radius * (1.0 - p.radius_loss * (load / (weight * share) - 1.0))
+            for radius, load, share in zip(p.radius, self._even_load, self._shares, strict=True)
+        ]
+
+    @property
     def grip(self) -> list[float]:
         """Friction of each tyre over that at its load at rest."""
         p = self._p
@@ -167,7 +179,7 @@ class Car:
         stub = self._stub_ratio(self._curvature)
         return [
             (self.speed * ratio - radius * omega) / max(self.speed * ratio, SLOWEST)
-            for radius, omega, ratio in zip(self._p.radius, self.wheel_speed, stub, strict=True)
+            for radius, omega, ratio in zip(self.radius, self.wheel_speed, stub, strict=True)
         ]
 
     def step(
@@ -185,7 +197,7 @@ class Car:
         gh = GAMMA * h
         self._curvature = curvature
         self.yaw_rate = curvature * self.speed
-        loads, grips = self.vertical_load, self.grip
+        loads, grips, radii = self.vertical_load, self.grip, self.radius
         stub = self._stub_ratio(curvature)
         rear = engine_torque if engine_torque > 0.0 else -p.engine_drag
         v = self.speed
@@ -194,7 +206,7 @@ class Car:
         stages = []
         force_1 = resistance + drag * v * v
         for i in range(4):
-            radius, inertia, load = p.radius[i], p.inertia[i], loads[i]
+            radius, inertia, load = radii[i], p.inertia[i], loads[i]
             slip_speed = max(v * stub[i], SLOWEST)
             relaxation = p.relaxation_length[i]
             rest = (v * stub[i] - radius * self.wheel_speed[i]) / slip_speed - self._relaxed_slip[i]
@@ -217,7 +229,7 @@ class Car:
         v_2 = v - h * force_1 / p.mass
         force_2 = resistance + drag * v_2 * v_2
         for i, (k_wheel, k_relax, b11, b12, b21, b22, det, torque) in enumerate(stages):
-            radius, inertia, load = p.radius[i], p.inertia[i], loads[i]
+            radius, inertia, load = radii[i], p.inertia[i], loads[i]
             omega_2 = self.wheel_speed[i] + h * k_wheel
             slip_2 = self._relaxed_slip[i] + h * k_relax
             slip_speed = max(v_2 * stub[i], SLOWEST)

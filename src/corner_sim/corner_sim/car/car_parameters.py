@@ -67,7 +67,9 @@ class CarParameters:
     rolling_resistance: float = 0.012
     """Coefficient; the force acts on the body, as the effective radius is that of the freely rolling wheel."""
     radius: Four = (0.3,) * 4
-    """Effective rolling radii [m]."""
+    """Effective rolling radii at rest [m]."""
+    radius_loss: float = 0.0
+    """Share of it that is lost where the load of the wheel doubles."""
     inertia: Four = (1.0,) * 4
     """Wheel inertias [kg m^2]."""
     brake_gain: Four = (1.3e-4, 1.3e-4, 0.7e-4, 0.7e-4)

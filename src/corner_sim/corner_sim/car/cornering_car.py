@@ -70,7 +70,7 @@ class CorneringCar(Car):
         """Kinematic slips along the wheels."""
         return [
             (along - radius * omega) / max(along, SLOWEST)
-            for (along, _), radius, omega in zip(self._stubs(), self._p.radius, self.wheel_speed, strict=True)
+            for (along, _), radius, omega in zip(self._stubs(), self.radius, self.wheel_speed, strict=True)
         ]
 
     def step(
@@ -101,7 +101,7 @@ class CorneringCar(Car):
         """Advance by dt [s]; return the lateral specific force [m/s^2]."""
         p = self._p
         loads = [load * each for load, each in zip(self._even_load, uneven, strict=True)]
-        grips = self.grip
+        grips, radii = self.grip, self.radius
         rear = engine_torque if engine_torque > 0.0 else -p.engine_drag
         force_x = -p.rolling_resistance * sum(loads) - p.mass * GRAVITY * (slope + p.slope)
         force_x -= 0.5 * AIR_DENSITY * p.drag_area * self.speed**2
@@ -109,7 +109,7 @@ class CorneringCar(Car):
         c, s = cos(self._steering), sin(self._steering)
         for i, (along, across) in enumerate(self._stubs()):
             u = max(along, SLOWEST)
-            radius = p.radius[i]
+            radius = radii[i]
             kinematic = (along - radius * self.wheel_speed[i]) / u
             gain = min(dt * u / p.relaxation_length[i], 1.0)
             step = gain * (kinematic - self._relaxed_slip[i])

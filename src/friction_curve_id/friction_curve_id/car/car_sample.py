@@ -10,6 +10,8 @@ from friction_curve_id.interface import Refusal
 from friction_curve_id.stamp_order import Admission, StampOrder
 from vehicle_models.physical_bounds import HIGHEST_PRESSURE, HIGHEST_SPEED
 from vehicle_models.reason import Reason
+from vehicle_models.rolling_radius import RollingRadius
+from vehicle_models.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
@@ -40,7 +42,7 @@ class Checked(NamedTuple):
 
     time: float
     wheel_speed: Array
-    """Shape (W,), NaN where the wheel is not measured."""
+    """As on the radii at rest, shape (W,), NaN where the wheel is not measured."""
     brake_pressure: Array
     """Shape (W,), NaN where the wheel is not measured."""
     acceleration: float
@@ -56,9 +58,10 @@ class Checked(NamedTuple):
 class CarGate:
     """Admits samples one by one, see StampOrder for their stamps."""
 
-    def __init__(self, names: tuple[str, ...], radii: tuple[float, ...], max_gap: float) -> None:
-        """`names`, `radii` [m]: of the wheels; `max_gap` [s]."""
-        self._names, self._radii = names, np.array(radii)
+    def __init__(self, vehicle: Vehicle, max_gap: float) -> None:
+        """Take the car; `max_gap` [s]."""
+        self._names, self._radii = vehicle.wheel_names, np.array(vehicle.radii)
+        self._rolling = RollingRadius(vehicle)
         self._order = StampOrder(max_gap)
 
     def reset(self) -> None:
@@ -89,6 +92,8 @@ class CarGate:
         if not (abs(leftward) <= _HARDEST_SHOCK and isfinite(yaw_rate)):
             leftward = yaw_rate = nan
         after_gap = admission is not Admission.NEXT
+        along, across = (each if isfinite(each) else 0.0 for each in (acceleration, leftward))
+        speed *= self._rolling.under(along, across)[0]
         return Checked(time, speed, np.maximum(pressure, 0.0), acceleration, after_gap, leftward, yaw_rate)
 
     def _implausible(self, speed: Array, pressure: Array, acceleration: float) -> Refusal | None:

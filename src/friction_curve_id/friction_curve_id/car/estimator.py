@@ -102,7 +102,7 @@ class CarEstimator:
         self._vehicle, self._p = vehicle, parameters
         self.learner = GainOverMassLearner(vehicle)
         """What is learned from braking to braking."""
-        self._gate = CarGate(vehicle.wheel_names, vehicle.radii, parameters.max_gap)
+        self._gate = CarGate(vehicle, parameters.max_gap)
         self._radii = np.array(vehicle.radii)
         self._gain = np.array([wheel.brake_gain for wheel in vehicle.wheels])
         self._cause = RestartCause.NONE

@@ -1,0 +1,48 @@
+"""Rolling radii of the wheels under their loads: a tyre that carries more turns faster at the same speed.
+
+A radial tyre rolls on its radius less a third of its deflection, which grows with its load:
+
+    r = r_0 (1 - c d),    d = (Fz - Fz_0) / Fz_0
+
+with c = `radius_loss`, 0.02 to 0.025 for passenger cars (on the measured Stanford P1 the radii of the two sides differ
+by 2.3 % where the load of one has doubled). The load moves with the specific force of the car, quasi-statically:
+
+    Fz - Fz_0 = -+ m a_x h / L,    -+ m a_y h s / w
+
+with h the height of the centre of gravity, L the wheelbase, w the track and s the axle's share of the roll moment.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle_models.constants import GRAVITY
+from vehicle_models.vehicle import FRONT, Vehicle, absolute_deviation
+from vehicle_models.wheel_forces import LEAST_SHARE
+
+Array = NDArray[np.float64]
+
+
+class RollingRadius:
+    """Of the wheels of one car."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        """Take loads, geometry and tyres of the car."""
+        wheels, shares = vehicle.wheels, np.array(vehicle.load_shares)
+        self._loss = np.array([wheel.radius_loss for wheel in wheels])
+        self._stddev = np.array([absolute_deviation(wheel.deviations, "radius_loss") for wheel in wheels])
+        self._forward = -np.array(vehicle.transfer_shares) / shares / GRAVITY
+        roll = {True: vehicle.front_roll_share, False: 1.0 - vehicle.front_roll_share}
+        moved = vehicle.centre_of_gravity_height / vehicle.track / GRAVITY
+        sides = [-1.0 if wheel.side == "left" else 1.0 for wheel in wheels]
+        of_axle = [roll[wheel.axle == FRONT] for wheel in wheels]
+        self._leftward = moved * np.array(sides) * np.array(of_axle) / shares
+
+    def under(self, forward: float, leftward: float) -> tuple[Array, Array]:
+        """Return radii over those at rest, and the standard deviations of that, shape (wheels,).
+
+        Args:
+            forward: specific force along the car [m/s^2], as an accelerometer reads it; braking negative.
+            leftward: the same across it, to the left [m/s^2].
+        """
+        moved = np.maximum(self._forward * forward + self._leftward * leftward, LEAST_SHARE - 1.0)
+        return 1.0 - self._loss * moved, self._stddev * np.abs(moved)
