@@ -80,6 +80,12 @@ def test_every_wheel_has_its_curve_from_one_processor() -> None:
     assert "brake gain over mass, front [N m/(Pa kg)]" in processor.health().values
 
 
+def test_what_auto_stands_for_is_named_in_the_message() -> None:
+    (processor,) = build(FrictionCurveParameters(), CAR)
+    assert isinstance(processor, CarProcessor)
+    assert {message.method for _, message in drive(processor, stream()[:600])} == {"car"}
+
+
 def test_the_order_of_arrival_does_not_matter() -> None:
     messages = stream()[: 6 * 200]
     shuffled = messages.copy()

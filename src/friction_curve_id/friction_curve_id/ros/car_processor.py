@@ -11,7 +11,7 @@ from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.braked_speed import BrakedSpeed
 from friction_curve_id.car.gain_over_mass import GainOverMass
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
-from friction_curve_id.parameters import FrictionCurveParameters
+from friction_curve_id.parameters import CAR, FrictionCurveParameters
 from friction_curve_id.ros.curve_messages import CurveMessages, health_of
 from friction_curve_id.ros.inputs import IMU
 from friction_runtime.aligned_processor import AlignedProcessor, Primary
@@ -52,7 +52,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         self._wheel_speeds = WheelSpeeds(vehicle, self._wheels, report)
         self._estimator = CarEstimator(vehicle, parameters.car)
         self._messages = {
-            wheel: CurveMessages(wheel, wheel, parameters.method, parameters.abs_activation_slip, parameters.highest_mu)
+            wheel: CurveMessages(wheel, wheel, CAR, parameters.abs_activation_slip, parameters.highest_mu)
             for wheel in self._wheels
         }
         self._cause = RestartCause.NONE
