@@ -23,10 +23,10 @@ def car(loss: float = 0.02, stddev: float = 0.005) -> Vehicle:
 def test_a_wheel_that_carries_more_rolls_on_less() -> None:
     vehicle, rolling = car(), RollingRadius(car())
     moved = 2.0 * vehicle.height_ratio  # of the load of an axle, which carries half of the weight
-    factors, stddevs = rolling.under(-GRAVITY, 0.0)
+    factors, stddevs = rolling.update(0.0, -GRAVITY, 0.0)
     assert_allclose(factors, 1.0 - 0.02 * moved * np.array([1.0, 1.0, -1.0, -1.0]))
     assert_allclose(stddevs, 0.005 * moved)
-    left_turn, _ = rolling.under(0.0, 0.5 * GRAVITY)
+    left_turn, _ = RollingRadius(vehicle).update(0.0, 0.0, 0.5 * GRAVITY)
     assert all(left_turn[[0, 2]] > 1.0) and all(left_turn[[1, 3]] < 1.0)
     assert_allclose(left_turn.sum(), 4.0)
     assert left_turn[0] - 1.0 == pytest.approx((left_turn[2] - 1.0) * 0.55 / 0.45)
@@ -34,11 +34,11 @@ def test_a_wheel_that_carries_more_rolls_on_less() -> None:
 
 def test_without_a_force_or_a_loss_the_radius_is_that_at_rest() -> None:
     for vehicle, force in ((car(), 0.0), (car(0.0, 0.0), -8.0), (load_vehicle("chapter_corner"), -8.0)):
-        factors, stddevs = RollingRadius(vehicle).under(force, 0.0)
+        factors, stddevs = RollingRadius(vehicle).update(0.0, force, 0.0)
         assert_allclose(factors, 1.0)
         assert_allclose(stddevs, 0.0)
 
 
 def test_a_wheel_that_lifts_loses_no_more_than_its_load() -> None:
-    factors, _ = RollingRadius(car()).under(-100.0, 0.0)
+    factors, _ = RollingRadius(car()).update(0.0, -100.0, 0.0)
     assert factors.max() <= 1.02

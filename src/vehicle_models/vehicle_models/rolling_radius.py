@@ -5,11 +5,12 @@ A radial tyre rolls on its radius less a third of its deflection, which grows wi
     r = r_0 (1 - c d),    d = (Fz - Fz_0) / Fz_0
 
 with c = `radius_loss`, 0.02 to 0.025 for passenger cars (on the measured Stanford P1 the radii of the two sides differ
-by 2.3 % where the load of one has doubled). The load moves with the specific force of the car, quasi-statically:
+by 2.3 % where the load of one has doubled). The load moves with the specific force of the car:
 
-    Fz - Fz_0 = -+ m a_x h / L,    -+ m a_y h s / w
+    Fz - Fz_0 = -+ m q h / L,    -+ m a_y h s / w
 
-with h the height of the centre of gravity, L the wheelbase, w the track and s the axle's share of the roll moment.
+with q the specific force along the car as its pitch follows it (PitchMode), h the height of the centre of gravity, L
+the wheelbase, w the track and s the axle's share of the roll moment.
 """
 
 import numpy as np
@@ -17,9 +18,12 @@ from numpy.typing import NDArray
 
 from vehicle_models.constants import GRAVITY
 from vehicle_models.vehicle import FRONT, Vehicle, absolute_deviation
-from vehicle_models.wheel_forces import LEAST_SHARE
+from vehicle_models.wheel_forces import LEAST_SHARE, PitchMode
 
 Array = NDArray[np.float64]
+
+_LONGEST = 0.5
+"""Longest time between two samples that the pitch follows [s]."""
 
 
 class RollingRadius:
@@ -36,13 +40,26 @@ class RollingRadius:
         sides = [-1.0 if wheel.side == "left" else 1.0 for wheel in wheels]
         of_axle = [roll[wheel.axle == FRONT] for wheel in wheels]
         self._leftward = moved * np.array(sides) * np.array(of_axle) / shares
+        self._pitch = PitchMode(vehicle.pitch_frequency, vehicle.pitch_damping)
+        self.reset()
 
-    def under(self, forward: float, leftward: float) -> tuple[Array, Array]:
+    def reset(self) -> None:
+        """Forget the past: the next force is taken to have lasted."""
+        self._time: float | None = None
+
+    def update(self, time: float, forward: float, leftward: float) -> tuple[Array, Array]:
         """Return radii over those at rest, and the standard deviations of that, shape (wheels,).
 
         Args:
+            time: [s]; after a gap, or a step back, the force is taken to have lasted.
             forward: specific force along the car [m/s^2], as an accelerometer reads it; braking negative.
             leftward: the same across it, to the left [m/s^2].
         """
-        moved = np.maximum(self._forward * forward + self._leftward * leftward, LEAST_SHARE - 1.0)
+        since = 0.0 if self._time is None else time - self._time
+        self._time = time
+        if 0.0 < since <= _LONGEST:
+            self._pitch.step(since, forward)
+        else:
+            self._pitch.settle(forward)
+        moved = np.maximum(self._forward * self._pitch.moved + self._leftward * leftward, LEAST_SHARE - 1.0)
         return 1.0 - self._loss * moved, self._stddev * np.abs(moved)

@@ -11,6 +11,7 @@ from sensor_monitor.frozen_wheel import FrozenWheels
 from sensor_monitor.signal_noise import MORE, SignalNoise
 from sensor_monitor.unit_check import UnitCheck
 from sensor_monitor.wheel_noise import WheelNoise
+from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
 from vehicle_models.reason import Reason
 from vehicle_models.rolling_radius import RollingRadius
@@ -70,6 +71,7 @@ class SlipEstimator:
         self._units.reset()
         self._noise.reset()
         self._frozen.reset()
+        self._rolling.reset()
         self.car.reset()
         self.speed_sensor.reset()
         self._accelerometer_noise.reset()
@@ -107,7 +109,9 @@ class SlipEstimator:
         turned = yaw_rate if yaw_rate is not None and isfinite(yaw_rate) else None
         # Where nothing measures a curve, what the wheels show of it has their radii in it.
         leftward = turned * self.car.speed if turned is not None and self.car.started else 0.0
-        loaded, doubt = self._rolling.under(self.car.acceleration if reading is None else reading, leftward)
+        loaded, doubt = self._rolling.update(
+            stamp / NANOSECONDS, self.car.acceleration if reading is None else reading, leftward
+        )
         self._loaded, self._doubt = loaded.tolist(), doubt.tolist()
         wheels = list(zip(self._wheels, wheel_speeds, (self._at_rest * loaded).tolist(), seen, strict=True))
         rims = [omega * radius if known and not wheel.in_gap else nan for wheel, omega, radius, known in wheels]

@@ -67,6 +67,7 @@ class CarGate:
     def reset(self) -> None:
         """Forget the stamps seen."""
         self._order.reset()
+        self._rolling.reset()
 
     def admit(self, sample: CarSample) -> Checked | Refusal:
         """Return the sample as numbers, or why it must not enter."""
@@ -93,7 +94,7 @@ class CarGate:
             leftward = yaw_rate = nan
         after_gap = admission is not Admission.NEXT
         along, across = (each if isfinite(each) else 0.0 for each in (acceleration, leftward))
-        speed *= self._rolling.under(along, across)[0]
+        speed *= self._rolling.update(time, along, across)[0]
         return Checked(time, speed, np.maximum(pressure, 0.0), acceleration, after_gap, leftward, yaw_rate)
 
     def _implausible(self, speed: Array, pressure: Array, acceleration: float) -> Refusal | None:
