@@ -1,4 +1,4 @@
-"""Tyres that roll on less under more load: the peak of the curve is right where the vehicle file says so."""
+"""Tyres that roll on less under more load: the peak is right with their loss in the vehicle file."""
 
 from dataclasses import replace
 
