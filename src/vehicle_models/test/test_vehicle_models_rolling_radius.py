@@ -40,5 +40,5 @@ def test_without_a_force_or_a_loss_the_radius_is_that_at_rest() -> None:
 
 
 def test_a_wheel_that_lifts_loses_no_more_than_its_load() -> None:
-    factors, _ = RollingRadius(car()).update(0.0, -100.0, 0.0)
-    assert factors.max() <= 1.02
+    factors, _ = RollingRadius(car()).update(0.0, -1e6, 0.0)
+    assert 0.98 <= factors.min() < factors.max() <= 1.02

@@ -61,5 +61,6 @@ class RollingRadius:
             self._pitch.step(since, forward)
         else:
             self._pitch.settle(forward)
-        moved = np.maximum(self._forward * self._pitch.moved + self._leftward * leftward, LEAST_SHARE - 1.0)
+        most = 1.0 - LEAST_SHARE
+        moved = np.clip(self._forward * self._pitch.moved + self._leftward * leftward, -most, most)
         return 1.0 - self._loss * moved, self._stddev * np.abs(moved)
