@@ -122,7 +122,6 @@ class CarMotion:
         self._odds.reset()
         self._failed, self._untold = np.zeros(self._count), np.zeros((2, self._count))
         self._steps: deque[Means] = deque(maxlen=3)
-        self._torques: deque[Array] = deque(maxlen=3)
         self._step.reset()
         self._carried = self._misread_way = 0.0
         self._yaw_rate: float | None = None
@@ -266,10 +265,6 @@ class CarMotion:
         self._steps.append(self._step.means)
         torques, yaw_rate = self._step.torques, self._step.yaw_rate
         told = self._forces.told_by(torques)
-        if told:
-            self._torques.append(np.array(torques))
-        else:
-            self._torques.clear()
         if not self.started:
             self._start()
         else:
@@ -393,7 +388,7 @@ class CarMotion:
         settles = np.array([[p.correlation if torques is None else p.pressure_delay], [p.correlation]])
         self._tyres.disturb(dt, rest, behind + settles)
         forces = self._forces.of(
-            reading, mean_speed, rates, torques, self._ripple(), self._tyres.unrest, float(self.mean[F]), unread, locked
+            reading, mean_speed, rates, torques, self._tyres.unrest, float(self.mean[F]), unread, locked
         )
         self._beyond_brakes = (self._beyond_brakes[1], read - forces.felt)
         self._odds.update(dt, forces.pull, nan if unread else forces.braked, float(bank.probabilities[MISREAD]))
@@ -426,16 +421,6 @@ class CarMotion:
             self._keep_signs(np.sqrt(late[_ROW]))
         elif np.isfinite(z).any():
             bank.correct_one(self._of_speed, -bank.x[:, V], self._standing_variance())
-
-    def _ripple(self) -> Array:
-        """Return what the rates of the rims, over two steps, do not show of the torques of one [N m].
-
-        They weigh the accelerations of three steps by 1/4, 1/2 and 1/4; what alternates from step to step is lost.
-        """
-        if len(self._torques) < 3:
-            return np.zeros(self._count)
-        first, second, third = self._torques
-        return np.asarray(0.25 * np.abs(first - 2.0 * second + third))
 
     def _standing_variance(self) -> float:
         """Return the variance of a speed of zero by wheels that stand [m^2/s^2]: small, unless they are locked."""

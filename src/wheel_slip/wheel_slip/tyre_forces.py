@@ -83,7 +83,6 @@ class TyreForces:
         speed: float,
         rim_rates: Array,
         torques: Sequence[float] | None,
-        ripple: Array,
         unrest: Array,
         error: float,
         unread: bool,
@@ -96,7 +95,6 @@ class TyreForces:
             speed: of the car [m/s].
             rim_rates: r omega' of each wheel [m/s^2].
             torques: of the brakes [N m]; None unless `told_by` them.
-            ripple: change of them from step to step that the rates, of two steps, do not show [N m], shape (wheels,).
             unrest: of each wheel, by how much it changes unlike the car [m/s^2], shape (2, wheels).
             error: of the engine's force over the mass that is known [m/s^2].
             unread: whether the wheels themselves tell the reading: by as much as they slip, it is not the car's.
@@ -109,9 +107,7 @@ class TyreForces:
         felt = braked = nan
         force = np.full(self._count, max(pull, 0.0) ** 3 / (pull**2 + p.blind_force**2))
         off = p.blind_force + (p.unread * abs(pull) if unread else 0.0)
-        rows: list[tuple[Array, float, float, Array, float]] = [
-            (force, min(pull, 0.0), 0.0, np.full(self._count, off), p.unequal)
-        ] * 2
+        rows: list[tuple[Array, float, float, float, float]] = [(force, min(pull, 0.0), 0.0, off, p.unequal)] * 2
         if torques is not None:
             at_rim = (np.array(torques) + self._inertia * rim_rates * sign / self._radii) / self._radii
             # The road holds a locked wheel, not its brake.
@@ -121,7 +117,7 @@ class TyreForces:
             off = hypot(p.brakes * braked, float(np.linalg.norm(own * load)) / GRAVITY / self._mass)
             if braked > TELLING:
                 felt = -sign * (braked + resistance)
-            rows[TOLD] = (force, pull - braked, off, np.hypot(p.force, ripple / self._radii / load * GRAVITY), 1.0)
+            rows[TOLD] = (force, pull - braked, off, p.force, 1.0)
         known = np.array([[torques is not None], [False]])
         by_brakes, engine, unsure, least, uneven = [
             np.array(each, dtype=np.float64).reshape(2, -1) for each in zip(*rows, strict=True)
