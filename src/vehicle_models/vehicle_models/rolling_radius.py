@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicle_models.constants import GRAVITY
-from vehicle_models.vehicle import FRONT, Vehicle, absolute_deviation
+from vehicle_models.vehicle import Vehicle, absolute_deviation
 from vehicle_models.wheel_forces import LEAST_SHARE, PitchMode
 
 Array = NDArray[np.float64]
@@ -35,11 +35,7 @@ class RollingRadius:
         self._loss = np.array([wheel.radius_loss for wheel in wheels])
         self._stddev = np.array([absolute_deviation(wheel.deviations, "radius_loss") for wheel in wheels])
         self._forward = -np.array(vehicle.transfer_shares) / shares / GRAVITY
-        roll = {True: vehicle.front_roll_share, False: 1.0 - vehicle.front_roll_share}
-        moved = vehicle.centre_of_gravity_height / vehicle.track / GRAVITY
-        sides = [-1.0 if wheel.side == "left" else 1.0 for wheel in wheels]
-        of_axle = [roll[wheel.axle == FRONT] for wheel in wheels]
-        self._leftward = moved * np.array(sides) * np.array(of_axle) / shares
+        self._leftward = np.array(vehicle.roll_shares) / shares / GRAVITY
         self._pitch = PitchMode(vehicle.pitch_frequency, vehicle.pitch_damping)
         self.reset()
 

@@ -264,6 +264,15 @@ class Vehicle:
         signs = {FRONT: 1.0, REAR: -1.0}
         return tuple(signs[wheel.axle] * self.height_ratio / self._count(wheel.axle) for wheel in self.wheels)
 
+    @property
+    def roll_shares(self) -> tuple[float, ...]:
+        """Change of each of these shares per g of acceleration to the left [-]; 0 without all four wheels."""
+        if len(self.wheels) < 4:
+            return (0.0,) * len(self.wheels)
+        of_axle = {FRONT: self.front_roll_share, REAR: 1.0 - self.front_roll_share}
+        moved = self.centre_of_gravity_height / self.track
+        return tuple((-1.0 if wheel.side == "left" else 1.0) * of_axle[wheel.axle] * moved for wheel in self.wheels)
+
     def wheel(self, name: str) -> Wheel:
         """Return a wheel by its name.
 

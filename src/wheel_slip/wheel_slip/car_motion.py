@@ -213,7 +213,7 @@ class CarMotion:
             yaw_rate: [rad/s], counter-clockwise positive, None if there is none.
             radius_doubt: standard deviations of the radii under load as shares, shape (wheels,).
         """
-        self._radius_variance = self._noise.radius**2 + np.square(radius_doubt)
+        self._radius_doubt = radius_doubt
         if self._step.pauses(stamp):
             self.reset()
         self._step.add(stamp, rim_speeds, reading, torques, yaw_rate)
@@ -410,7 +410,9 @@ class CarMotion:
         # To second order: while neither slip over force nor the engine's force is known, their product is an error.
         unknown = np.diagonal(self.covariance)
         both = unknown[C : self._e] * unknown[F] * (forces.by_engine * speed) ** 2
-        lasting = (compliance * forces.doubt * speed) ** 2 + late + self._radius_variance * speed**2
+        lasting = (
+            (compliance * forces.doubt * speed) ** 2 + late + (p.radius**2 + np.square(self._radius_doubt)) * speed**2
+        )
         lasting = lasting + both / np.maximum(self._untold, p.correlation / p.engine_time)
         use = np.isfinite(z) & ~locked
         if use.any():

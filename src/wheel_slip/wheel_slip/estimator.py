@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
 from sensor_monitor.frozen_wheel import FrozenWheels
@@ -29,6 +30,8 @@ from wheel_slip.estimate import (
 from wheel_slip.motion_noise import MotionNoise
 from wheel_slip.speed_sensor import SpeedSensor
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -112,7 +115,6 @@ class SlipEstimator:
         loaded, doubt = self._rolling.update(
             stamp / NANOSECONDS, self.car.acceleration if reading is None else reading, leftward
         )
-        self._loaded, self._doubt = loaded.tolist(), doubt.tolist()
         wheels = list(zip(self._wheels, wheel_speeds, (self._at_rest * loaded).tolist(), seen, strict=True))
         rims = [omega * radius if known and not wheel.in_gap else nan for wheel, omega, radius, known in wheels]
         frozen = self._frozen.update(stamp, rims)
@@ -132,8 +134,8 @@ class SlipEstimator:
         self._units.update(stamp, smooth, rates, reading, measured_speeds[-1].speed if measured_speeds else None)
         of_car = self._known()
         return [
-            self._estimate(wheel, known, self._motion(index), _FROZEN if frozen[index] else of_car)
-            for index, (wheel, _, _, known) in enumerate(wheels)
+            self._estimate(wheel, known, motion, _FROZEN if dead else of_car)
+            for (wheel, _, _, known), motion, dead in zip(wheels, self._motions(loaded, doubt), frozen, strict=True)
         ]
 
     @property
@@ -181,12 +183,14 @@ class SlipEstimator:
                 wheel.know_noise(self._noise.variance)
             self.car.set_noise(self._noise.variance)
 
-    def _motion(self, index: int) -> WheelMotion:
-        """Return the motion of a wheel on the radius that it has under its load."""
-        motion = self.car.wheel(index)
-        return motion._replace(
-            radius=motion.radius * self._loaded[index], radius_variance=motion.radius_variance + self._doubt[index] ** 2
-        )
+    def _motions(self, loaded: Array, doubt: Array) -> list[WheelMotion]:
+        """Return the motion of every wheel on the radius that it has under its load; arguments as of RollingRadius."""
+        found = []
+        for index, (share, stddev) in enumerate(zip(loaded.tolist(), doubt.tolist(), strict=True)):
+            motion = self.car.wheel(index)
+            variance = motion.radius_variance + stddev**2
+            found.append(motion._replace(radius=motion.radius * share, radius_variance=variance))
+        return found
 
     def _known(self) -> tuple[Reason, str]:
         """Return whether the motion of the car gives a slip: the reason where it gives none, and that in words."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from friction_runtime.filters import first_order_gain
 from vehicle_models.constants import GRAVITY
 from vehicle_models.lateral_forces import ROLLED
-from vehicle_models.vehicle import FRONT, Vehicle
+from vehicle_models.vehicle import Vehicle
 from vehicle_models.wheel_forces import PitchMode
 
 Array = NDArray[np.float64]
@@ -33,12 +33,7 @@ class WheelLoads:
         weight = vehicle.mass * GRAVITY
         self._at_rest = weight * np.array(vehicle.load_shares)
         self._along = -vehicle.mass * np.array(vehicle.transfer_shares)
-        sides = np.array([1.0 if wheel.side == "left" else -1.0 for wheel in vehicle.wheels])
-        front = vehicle.front_roll_share
-        of_axle = np.array([front if wheel.axle == FRONT else 1.0 - front for wheel in vehicle.wheels])
-        self._across = -sides * of_axle * (vehicle.mass * vehicle.centre_of_gravity_height / vehicle.track)
-        if len(vehicle.wheels) < 4:
-            self._across = np.zeros(len(vehicle.wheels))
+        self._across = vehicle.mass * np.array(vehicle.roll_shares)
         self._pitch = PitchMode(vehicle.pitch_frequency, PITCH_DAMPING)
         self.reset()
 
