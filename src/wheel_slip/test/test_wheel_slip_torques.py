@@ -1,9 +1,13 @@
 """Brake pressures that miss braking are named, and the speed stays covered; those that are right never are."""
 
+from collections import deque
+
 import numpy as np
 import pytest
 
+from corner_sim.corner import SingleCorner
 from vehicle_models.reason import Reason
+from vehicle_models.surfaces import surface
 from vehicle_models.vehicle_file import load_vehicle
 from wheel_slip.estimator import SlipEstimator
 
@@ -54,3 +58,26 @@ def test_pressures_that_are_right_are_not_named_whatever_pads_and_pedals_do(gain
         pressures, _, z = drive(brakings(hardest, engine), np.full(4, gain))
         assert pressures == ""
         assert np.mean(np.abs(z) < 2.0) > 0.9
+
+
+@pytest.mark.parametrize("road", ["wet", "snow"])
+def test_a_brake_that_is_modulated_from_step_to_step_leaves_the_slip_covered(road: str) -> None:
+    """A torque that alternates every 20 ms by 15 %, as that of an ABS which holds the slip near 0.09."""
+    vehicle, theta, random = load_vehicle("chapter_corner"), surface(road), np.random.default_rng(0)
+    wheel = vehicle.corner("front_left")
+    corner, estimator, hold = SingleCorner(wheel, [30.0]), SlipEstimator(vehicle), float(wheel.peak_torque(theta))
+    torque, level, late, missed = 0.0, 0.0, deque([0.0] * (LATE + 1), maxlen=LATE + 1), []
+    for k in range(1400):
+        braked, slip, speed = k >= 600, float(corner.slip[0]), float(corner.speed[0])
+        level = min(max(level + (10.0 if slip < 0.09 else -10.0), 0.0), 1.3 * hold) if braked else 0.0
+        following = level * (1.15 if k // 4 % 2 else 0.85)
+        late.append(torque)
+        reading = float(corner.acceleration(theta)[0]) + 0.05 * random.normal()
+        omega = float(corner.wheel_speed[0]) + 0.05 * random.normal()
+        (found,) = estimator.update(round((k + 1) * STEP * 1e9), [omega], reading, torques=[late[0]])
+        if k > 640 and speed > 5.0 and found.reason is Reason.OK:
+            missed.append(abs(found.slip - slip) > 1.96 * found.slip_variance**0.5)
+        corner.step(torque, following, theta, STEP)
+        torque = following
+    assert len(missed) > 400
+    assert np.mean(missed) < 0.02

@@ -17,8 +17,9 @@ vanishes with it, so a change that stays is a slope, and the moments of little f
 the speed. Where a tyre bends, at its peak, the slip creeps at any force, and says little. An age of the accelerometer
 looks like slip that grows with the force, so t is only considered.
 
-The wheels correct once in a `step`, by their means over the step before the last: the pressures that belong to it have
-come by then, and their rates are known on both sides of it. Within a step the accelerometer carries the speed.
+The wheels correct once in a `step`, by their means over the second step before the last: their rates are known on both
+sides of it, and the pressures that belong to these have come by then. Within a step the accelerometer carries the
+speed.
 """
 
 from collections import deque
@@ -121,7 +122,8 @@ class CarMotion:
         self._tyres.reset()
         self._odds.reset()
         self._failed, self._untold = np.zeros(self._count), np.zeros((2, self._count))
-        self._steps: deque[Means] = deque(maxlen=3)
+        self._steps: deque[Means] = deque(maxlen=4)
+        self._torques: deque[Array] = deque(maxlen=3)
         self._step.reset()
         self._carried = self._misread_way = 0.0
         self._yaw_rate: float | None = None
@@ -264,7 +266,14 @@ class CarMotion:
         """Go to a stamp [ns] and correct by the wheels; `dt`: since the last step [s]."""
         self._steps.append(self._step.means)
         torques, yaw_rate = self._step.torques, self._step.yaw_rate
-        told = self._forces.told_by(torques)
+        if self._forces.told_by(torques):
+            self._torques.append(np.array(torques))
+        else:
+            self._torques.clear()
+        told = len(self._torques) == 3 and len(self._steps) == 4
+        if told:  # as the rates of two steps weigh what three do: one that alternates moves no wheel for as long
+            first, second, third = self._torques
+            torques = (0.25 * first + 0.5 * second + 0.25 * third).tolist()
         if not self.started:
             self._start()
         else:
@@ -273,7 +282,7 @@ class CarMotion:
             self._turn(dt, yaw_rate)
         self._step.begin(stamp)
         if self.started:
-            if len(self._steps) == 3:
+            if len(self._steps) >= 3:
                 self._correct_by_wheels(stamp, dt, torques if told else None)
             if yaw_rate is not None and self._yaw_rate is None:
                 self._bank.correct_one(self._of_yaw, yaw_rate - self._bank.x[:, U], self._noise.gyroscope**2)
@@ -283,7 +292,7 @@ class CarMotion:
     def _start(self) -> None:
         """Begin at the wheels, of which nothing is known yet, once there have been some steps."""
         known = self._steps[-1].rim_speeds[np.isfinite(self._steps[-1].rim_speeds)]
-        if known.size and len(self._steps) == 3:
+        if known.size and len(self._steps) >= 3:
             speed = float(np.median(known))
             locked = abs(speed) <= LOCKED
             reading = self._step.reading
@@ -367,9 +376,9 @@ class CarMotion:
         self._bank.p[MISREAD, B, B] += dt * (2.0 * p.engine**2 / p.engine_time if told else p.misread**2)
 
     def _correct_by_wheels(self, stamp: int, dt: float, torques: Sequence[float] | None) -> None:
-        """Take the means of the wheels over the step before the last; `torques`: None unless they are known."""
+        """Take the means of the wheels over the second step before the last; `torques`: None unless they are known."""
         p, bank = self._noise, self._bank
-        before, then, now = self._steps
+        before, then, now = list(self._steps)[-3:] if torques is None else list(self._steps)[:3]
         span, age = (now.stamp - before.stamp) / NANOSECONDS, (stamp - then.stamp) / NANOSECONDS
         if not 0.0 < span <= 0.5:
             return
