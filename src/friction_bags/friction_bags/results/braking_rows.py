@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_bags.results.brakings import NO_CURVES, Array, all_brakings, decelerations
+from friction_bags.results.brakings import NO_CURVES, Array, all_brakings, decelerations, last_known
 from friction_bags.results.recorded_run import VEHICLE, WHY, RecordedRun, Series
 from friction_runtime.reports import INTERVAL_95, plain_reason
 
@@ -121,10 +121,11 @@ def braking_rows(run: RecordedRun) -> list[BrakingRow]:
         return []
     rows = []
     at, mean, deceleration = decelerations(*speed)
+    until, left = last_known(*speed)
     fits = _all_fits(run, "")
     learned = np.concatenate([NO_CURVES, *(fit.curve.time[fit.curve["valid"] > 0.0] for fit in fits)])
     for start, end in all_brakings(*speed, learned):
-        before, after = map(float, np.interp((start, end), at, mean))
+        before, after = map(float, np.interp((start, end), np.append(at, until), np.append(mean, left)))
         inside = (at >= start) & (at <= end)
         falling = -np.minimum.accumulate(mean[inside])
         developed = np.interp([-0.9 * before - 0.1 * after, -0.1 * before - 0.9 * after], falling, at[inside])

@@ -36,7 +36,8 @@ def hardest_braking(time: Array, speed: Array) -> Span | None:
     if at.size < 3:
         return None
     peak = float(at[np.argmax(deceleration)])
-    return next((span for span in _above(at, deceleration, _HARD) if span[0] <= peak <= span[1]), None)
+    spans = _above(at, deceleration, _HARD, last_known(time, speed)[0])
+    return next((span for span in spans if span[0] <= peak <= span[1]), None)
 
 
 def all_brakings(time: Array, speed: Array, curves: Array = NO_CURVES) -> list[Span]:
@@ -54,7 +55,7 @@ def all_brakings(time: Array, speed: Array, curves: Array = NO_CURVES) -> list[S
     """
     at, mean, deceleration = decelerations(time, speed)
     joined: list[Span] = []
-    for begin, end in _above(at, deceleration, _GENTLE):
+    for begin, end in _above(at, deceleration, _GENTLE, last_known(time, speed)[0]):
         if joined and begin - joined[-1][1] < _JOINED:
             joined[-1] = (joined[-1][0], end)
         else:
@@ -78,10 +79,18 @@ def decelerations(time: Array, speed: Array) -> tuple[Array, Array, Array]:
     return at, mean, -np.gradient(mean, at)
 
 
-def _above(at: Array, deceleration: Array, limit: float) -> list[Span]:
-    """Return the spans in which the deceleration is above a limit, from the step before to the step after."""
+def last_known(time: Array, speed: Array) -> tuple[float, float]:
+    """Return time [s] and speed [m/s] of the last sample with a speed; NaN where there is none."""
+    known = np.flatnonzero(np.isfinite(speed))
+    return (float(time[known[-1]]), float(speed[known[-1]])) if known.size else (float("nan"), float("nan"))
+
+
+def _above(at: Array, deceleration: Array, limit: float, last: float) -> list[Span]:
+    """Return the spans in which the deceleration is above a limit, from the step before to the step after.
+
+    One that the last step is part of lasts until the `last` sample [s].
+    """
     edges = np.diff((deceleration > limit).astype(np.int8), prepend=0, append=0)
     begins, ends = np.flatnonzero(edges == 1) - 1, np.flatnonzero(edges == -1)
-    last = at.size - 1
-    pairs = zip(np.maximum(begins, 0), np.minimum(ends, last), strict=True)
-    return [(float(at[begin]), float(at[end])) for begin, end in pairs]
+    pairs = zip(np.maximum(begins, 0), ends, strict=True)
+    return [(float(at[begin]), float(at[end]) if end < at.size else last) for begin, end in pairs]
