@@ -30,7 +30,7 @@ WHEEL_STATES_READERS = (
 """Nodes that take wheel_states."""
 ESTIMATES = (
     *("slip", "friction_slope", "slope_vote", "friction_curve", "friction_curve_debug"),
-    *("abs_supervisor", "abs_supervisor_debug", "contact_patch", "tyre_force"),
+    *("abs_supervisor", "abs_supervisor_debug", "contact_patch", "tyre_force", "grip"),
 )
 """Topics of the estimators below each wheel."""
 COMMAND = "brake_command"

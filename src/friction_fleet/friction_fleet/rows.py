@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_bags.results.braking_rows import CAR, BrakingRow, Part, braking_rows
+from friction_bags.results.places import Places
 from friction_bags.results.recorded_run import RecordedRun, Series
-from friction_fleet.places import NOWHERE, Places
+from friction_fleet.places import NOWHERE, cells_at
 from friction_grip.road_memory import PROOF_SIGMAS
 from vehicle_models.nanoseconds import NANOSECONDS
 
@@ -40,7 +41,7 @@ def rows_of_brakings(run: RecordedRun, places: Places, key: str, vehicle: str) -
             "stamp": _microseconds(stamp),
             "latitude": _known(latitude),
             "longitude": _known(longitude),
-            "cell": int(places.cells(np.array([stamp]))[0]) or None,
+            "cell": int(cells_at(places, np.array([stamp]))[0]) or None,
             "from_speed": braking.from_speed,
             "to_speed": braking.to_speed,
             "deceleration": _known(braking.mean_deceleration),
@@ -61,7 +62,7 @@ def rows_of_bounds(run: RecordedRun, places: Places, key: str, vehicle: str) -> 
     if grip is None:
         return []
     stamps = run.start + np.round(grip.time * NANOSECONDS).astype(np.int64)
-    cells = places.cells(stamps)
+    cells = cells_at(places, stamps)
     used = np.array([grip[f"{part}.mu_used"] for part in _PARTS])
     stddev = np.array([grip[f"{part}.mu_used_stddev"] for part in _PARTS])
     proof = np.where(np.isfinite(used + stddev), used - PROOF_SIGMAS * stddev, -np.inf)

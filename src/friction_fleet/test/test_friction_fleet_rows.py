@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 pytest.importorskip("h3")
 
+from friction_bags.results.places import Places
 from friction_bags.results.recorded_run import RecordedRun, Series
-from friction_fleet.places import Places
 from friction_fleet.rows import rows_of_bounds, rows_of_brakings
 
 TIME = np.arange(0.0, 5.0, 0.05)

@@ -1,13 +1,19 @@
-"""Friction in use: force over load of the car and of its axles, by what the accelerometer feels.
+"""Friction in use: force over load of the car, its axles and its wheels, by accelerometer, gyroscope and brakes.
 
 An accelerometer feels the forces on the car over its mass, whatever slope and mass are. With the drag of the air taken
-off they are those of the tyres:
+off they are those of the tyres, a along the car (braking positive) and a_y across:
 
-    mu_x = -(f + c A rho v^2 / (2 m)) / g,  mu_y = a_y / g,  mu_used = hypot(mu_x, mu_y)
+    a = -(f + c A rho v^2 / (2 m)),  mu_x = a / g,  mu_y = a_y / g,  mu_used = hypot(mu_x, mu_y)
 
-An axle carries its share of the load, with the transfer f h / (g l), its share s of the force along the car, and its
-share of the lateral force by the load at rest. Where brake torques are known s is theirs; else it is that of the driven
-axle, or of the brake gains of the file, and as uncertain as that.
+Brakes, inertia of the wheels and the engine say which wheel gives which part of a; their sum is a:
+
+    a_i = (T_i + J_i domega_i / dt + E_i) / (r_i m) +- what is not known of gains, mass, engine;  sum a_i = a +- bias
+
+That is one Gaussian conditioned on its sum. Across, the axles share the force by yaw rate and geometry,
+
+    a_y,front = a_y + l_f dpsi/dt,  a_y,rear = a_y - l_r dpsi/dt   (times their share of the load at rest),
+
+and loads move by pitch and roll.
 """
 
 from collections import deque
@@ -21,7 +27,10 @@ from numpy.typing import NDArray
 
 from vehicle_models.constants import AIR_DENSITY, GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.vehicle import Vehicle, deviation_of, mass_deviation
+from vehicle_models.vehicle import FRONT, Vehicle, absolute_deviation, deviation_of, mass_deviation, relative_deviation
+from vehicle_models.wheel_forces import LEAST_SHARE
+
+Array = NDArray[np.float64]
 
 _WINDOW: Final = 0.2
 """Time over which forces are meant [s]: shorter ones are jolts of the body."""
@@ -38,15 +47,23 @@ _SCALE: Final = 0.017
 _ROLL: Final = 0.05, 0.03
 """Lateral reading beyond the lateral acceleration, by the roll of the body: mean and deviation, relative."""
 _GEOMETRY: Final = 0.03
-"""Of an axle's load: height and place of the centre of gravity, relative."""
-_SPLIT_BRAKED, _SPLIT_GUESSED = 0.06, 0.15
-"""Of an axle's share of the force along the car, with brake torques and without."""
-_SLIDES: Final = 0.3
-"""The same per share of the brake torque that the tyres do not give: a wheel of one axle slides or is slowed down."""
-_BRAKED_TORQUE: Final = 60.0
-"""Torque of all brakes together above which they are applied [N m]."""
-_DRAGGED: Final = 1.0
-"""Deceleration up to which an engine, and not a brake, slows the car [m/s^2]."""
+"""Of a load: height and place of the centre of gravity, relative."""
+_SIDES: Final = 0.1
+"""Of a wheel's share of the lateral force of its axle, which loads divide about evenly, relative."""
+_PADS: Final = 0.03
+"""Of a brake against the other one of its axle, relative."""
+_GUESSED: Final = 0.15
+"""Of an axle's share where brakes or engine may act on both and nothing measures it."""
+_ENGINE: Final = 5.0
+"""Of what an engine gives [m/s^2]."""
+_UNREAD: Final = 0.3
+"""Of what brakes give that no pressure shows [m/s^2]."""
+_LEAST: Final = 0.004
+"""Of friction, whatever is known."""
+_YAW_ACCELERATION, _YAW_INERTIA = 0.2, 0.1
+"""Of the yaw acceleration where it is not measured [rad/s^2], and of the moment of inertia m l_f l_r, relative."""
+_BRAKES: Final = 3.0
+"""Deviations of a deceleration beyond which the throttle is closed."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +86,11 @@ class GripInUse:
     vehicle: Used
     front: Used
     rear: Used
+    wheels: tuple[Used, ...]
+    """In the order of the vehicle; NaN for a wheel whose brake torque is not known."""
+
+
+UNKNOWN: Final = Used(nan, nan, nan, nan)
 
 
 class FrictionUsed:
@@ -76,20 +98,36 @@ class FrictionUsed:
 
     def __init__(self, vehicle: Vehicle) -> None:
         """Choose a car."""
-        mass = vehicle.mass
+        wheels, mass = vehicle.wheels, vehicle.mass
         self._drag = 0.5 * AIR_DENSITY * vehicle.drag_area / mass
-        self._drag_stddev = self._drag * hypot(0.15, mass_deviation(vehicle))
-        self._mass = mass
-        self._height = vehicle.centre_of_gravity_height / vehicle.wheelbase
-        self._front = vehicle.front_load_share
+        self._mass_stddev = mass_deviation(vehicle)
+        self._drag_stddev = self._drag * hypot(0.15, self._mass_stddev)
         self._bias = hypot(deviation_of(vehicle.accelerometer.deviations, "bias", _BIAS), 0.5 * _BIAS)
-        self._is_front = np.array([wheel.axle == "front" for wheel in vehicle.wheels])
-        self._radii = np.array(vehicle.radii)
-        gains = np.array([wheel.brake_gain / wheel.radius for wheel in vehicle.wheels])
-        self._braked_share = float(gains[self._is_front].sum() / gains.sum())
-        driven = np.array([wheel.driven for wheel in vehicle.wheels])
-        self._driven_share = float(driven[self._is_front].sum() / driven.sum()) if driven.any() else nan
-        self._rows: deque[tuple[int, NDArray[np.float64]]] = deque()
+        is_front = np.array([wheel.axle == FRONT for wheel in wheels])
+        self._at_rest, self._pitched = np.array(vehicle.load_shares), np.array(vehicle.transfer_shares)
+        self._rolled = np.array(vehicle.roll_shares)
+        self._axles = np.array([is_front, ~is_front], dtype=np.float64)
+        self._parts = np.vstack([np.ones(len(wheels)), self._axles, np.eye(len(wheels))])
+        """Which wheels car, axles and wheels have, (3 + wheels, wheels)."""
+        self._sides = np.array([0.0, 0.0, 0.0, *[_SIDES] * len(wheels)])
+        self._loaded = np.array([0.0, *[_GEOMETRY] * (2 + len(wheels))])
+        share = vehicle.front_load_share
+        self._lever = vehicle.wheelbase * np.where(is_front, 1.0 - share, -share)
+        """Of the wheels before the centre of gravity [m]."""
+        self._per_torque = 1.0 / (mass * np.array(vehicle.radii))
+        self._inertia = np.array([wheel.inertia for wheel in wheels]) * self._per_torque
+        self._inertia_stddev = np.array([relative_deviation(wheel, "inertia") for wheel in wheels])
+        gains = np.array([wheel.brake_gain for wheel in wheels]) * self._per_torque
+        self._gain_stddev = np.array([relative_deviation(wheel, "brake_gain") for wheel in wheels])
+        self._braked = gains / gains.sum()
+        driven = np.array([float(wheel.driven) for wheel in wheels])
+        self._driven = driven / driven.sum() if driven.any() else self._at_rest
+        is_split = not driven.any() or bool(np.all(self._axles @ driven > 0.0))
+        self._engine_split = _GUESSED * self._between_axles(self._driven) if is_split else np.zeros(len(wheels))
+        self._drag_torque = driven * vehicle.engine_drag_torque * self._per_torque
+        self._drag_torque_stddev = driven * self._per_torque
+        self._drag_torque_stddev *= absolute_deviation(vehicle.deviations, "engine_drag_torque")
+        self._rows: deque[tuple[int, Array]] = deque()
         self._answered = 0
         """Number of the period that has been answered last: periods are those of the clock, not of the first sample."""
 
@@ -99,19 +137,27 @@ class FrictionUsed:
         self._answered = 0
 
     def update(
-        self, stamp: int, speed: float, forward: float, leftward: float, torques: Sequence[float]
+        self,
+        stamp: int,
+        speed: float,
+        forward: float,
+        leftward: float,
+        yaw_rate: float,
+        torques: Sequence[float],
+        wheel_speeds: Sequence[float],
     ) -> GripInUse | None:
         """Take a sample; return the friction in use when it is due.
 
         Args:
             stamp: [ns], later than the last.
             speed: of the car [m/s].
-            forward: acceleration that the accelerometer feels along the car [m/s^2].
+            forward: acceleration that the accelerometer feels along the car [m/s^2]; NaN: not measured.
             leftward: the same across [m/s^2]; NaN: not measured.
+            yaw_rate: [rad/s]; NaN: not measured.
             torques: of the brakes, in the order of the wheels [N m]; NaN where not known.
+            wheel_speeds: [rad/s]; NaN where not known.
         """
-        brakes = np.asarray(torques) / self._radii
-        row = np.array([speed, forward, leftward, brakes[self._is_front].sum(), brakes[~self._is_front].sum()])
+        row = np.array([speed, forward, leftward, yaw_rate, *torques, *wheel_speeds])
         self._rows.append((stamp, row))
         while stamp - self._rows[0][0] > _WINDOW * NANOSECONDS:
             self._rows.popleft()
@@ -119,54 +165,88 @@ class FrictionUsed:
         if number == self._answered or len(self._rows) < _SHORTEST:
             return None
         self._answered = number
-        return self._of_means(np.mean([each for _, each in self._rows], axis=0))
+        rows = np.array([each for _, each in self._rows])
+        time = np.array([(each - stamp) / NANOSECONDS for each, _ in self._rows])
+        time -= time.mean()
+        rates = time @ rows / (time @ time)
+        count = self._at_rest.size
+        return self._of_window(rows.mean(axis=0)[: 4 + count], rates[3], rates[4 + count :])
 
-    def _of_means(self, means: NDArray[np.float64]) -> GripInUse:
-        speed, forward, leftward, front_brakes, rear_brakes = (float(each) for each in means)
+    def _of_window(self, means: Array, yaw_acceleration: float, spins: Array) -> GripInUse:
+        speed, forward, leftward = means[:3].tolist()
         drag = self._drag * speed * speed
         along, across = -(forward + drag), leftward / (1.0 + _ROLL[0])
+        if not isfinite(along):
+            return GripInUse(UNKNOWN, UNKNOWN, UNKNOWN, (UNKNOWN,) * self._at_rest.size)
         along_stddev = hypot(self._bias, hypot(_SCALE * along, self._drag_stddev * speed * speed))
-        across_stddev = hypot(self._bias, _ROLL[1] * across) if isfinite(across) else 0.0
-        share, split = self._split(along, front_brakes, rear_brakes)
-        asked = front_brakes + rear_brakes
-        if isfinite(asked) and asked > max(self._mass * along, 1.0):
-            # brakes that ask for more than the tyres give slow the wheels down, at an axle that is not known
-            split = hypot(split, _SLIDES * (1.0 - max(self._mass * along, 0.0) / asked))
-        moved = -self._height * forward / GRAVITY
-        loads = self._front + moved, 1.0 - self._front - moved
-        known_across = across if isfinite(across) else 0.0
+        forces, covariance = self._forces(along, along_stddev, means[4:], spins)
+        is_lateral = isfinite(across)
+        lateral, lateral_stddev = (across, hypot(self._bias, _ROLL[1] * across)) if is_lateral else (0.0, 0.0)
+        turned, turned_stddev = yaw_acceleration, _YAW_INERTIA * yaw_acceleration
+        if not is_lateral:
+            turned = turned_stddev = 0.0
+        elif not isfinite(turned):
+            turned, turned_stddev = 0.0, _YAW_ACCELERATION
+        moved = (self._pitched * -forward + self._rolled * lateral) / GRAVITY
+        loads = np.maximum(self._at_rest + moved, LEAST_SHARE * self._at_rest)
+        of_axle = (self._axles @ self._at_rest) / np.maximum(self._axles @ loads, LEAST_SHARE)
+        per_lateral = loads * (of_axle @ self._axles)
 
-        def of_axle(share: float, at_rest: float, load: float) -> Used:
-            load = max(load, 0.05)
-            mu_x, mu_y = share * along / (GRAVITY * load), at_rest * known_across / (GRAVITY * load)
-            used = hypot(mu_x, mu_y)
-            force = _projected(mu_x, mu_y, share * along_stddev, at_rest * across_stddev) / (GRAVITY * load)
-            of_split = split * abs(along) / (GRAVITY * load) * (abs(mu_x) / used if used else 0.0)
-            stddev = hypot(hypot(force, of_split), _GEOMETRY * used)
-            return Used(mu_x, mu_y if isfinite(across) else nan, used, hypot(stddev, 0.005))
+        load = np.maximum(GRAVITY * (self._parts @ loads), 1e-9)
+        x = self._parts @ forces / load
+        y = self._parts @ (per_lateral * (lateral + self._lever * turned)) / load
+        x_variance = np.einsum("pi,ij,pj->p", self._parts, covariance, self._parts) / load**2
+        y_variance = (self._parts @ per_lateral * lateral_stddev / load) ** 2 + (self._sides * y) ** 2
+        y_variance += (self._parts @ (per_lateral * self._lever) * turned_stddev / load) ** 2
+        used = np.hypot(x, y)
+        # of little force the deviation is that of the larger part
+        little = np.maximum(x_variance, y_variance)
+        variance = np.where(used > 0.0, (x**2 * x_variance + y**2 * y_variance) / np.maximum(used**2, 1e-12), little)
+        stddev = np.sqrt(variance + (self._loaded * used) ** 2 + _LEAST**2)
+        known = np.append(self._parts[:3].any(axis=1), np.isfinite(means[4:]))
+        parts = [
+            Used(float(x[k]), float(y[k]) if is_lateral else nan, float(used[k]), float(stddev[k]))
+            if known[k]
+            else UNKNOWN
+            for k in range(known.size)
+        ]
+        return GripInUse(parts[0], parts[1], parts[2], tuple(parts[3:]))
 
-        whole = hypot(along, known_across) / GRAVITY
-        stddev = _projected(along, known_across, along_stddev, across_stddev) / GRAVITY
-        vehicle = Used(along / GRAVITY, across / GRAVITY, whole, hypot(stddev, 0.003))
-        rest = 1.0 - self._front
-        return GripInUse(vehicle, of_axle(share, self._front, loads[0]), of_axle(1.0 - share, rest, loads[1]))
+    def _forces(self, along: float, along_stddev: float, torques: Array, spins: Array) -> tuple[Array, Array]:
+        """Return the braking forces of the wheels over the mass [m/s^2], and their covariance.
 
-    def _split(self, along: float, front_brakes: float, rear_brakes: float) -> tuple[float, float]:
-        """Return the front axle's share of the force along the car, and its deviation; braking is positive."""
-        brakes = front_brakes + rear_brakes
-        if isfinite(brakes) and brakes * float(self._radii[0]) > _BRAKED_TORQUE:
-            return front_brakes / brakes, _SPLIT_BRAKED
-        if along > _DRAGGED and not isfinite(brakes):
-            return self._braked_share, _SPLIT_GUESSED
-        if isfinite(self._driven_share):
-            is_sure = self._driven_share in (0.0, 1.0)
-            return self._driven_share, _SPLIT_BRAKED if is_sure and isfinite(brakes) else _SPLIT_GUESSED
-        return self._front, _SPLIT_GUESSED
+        Args:
+            along: all of them together, as the accelerometer feels it [m/s^2].
+            along_stddev: its deviation [m/s^2].
+            torques: of the brakes [N m]; NaN where not known.
+            spins: rates of the wheel speeds [rad/s^2]; NaN where not known.
+        """
+        is_read = np.isfinite(torques)
+        brakes = np.where(is_read, torques, 0.0) * self._per_torque
+        inertial = np.where(np.isfinite(spins), spins, 0.0) * self._inertia
+        expected = brakes + inertial
+        modes = [self._mass_stddev * expected, *(self._axles * (self._gain_stddev * brakes))]
+        if along > _BRAKES * along_stddev:
+            expected = expected + self._drag_torque
+            modes += [self._drag_torque_stddev, _UNREAD * self._braked]
+            if not is_read.all():
+                unread = np.where(is_read, 0.0, self._braked)
+                modes += [along * unread / unread.sum(), _GUESSED * along * self._between_axles(unread)]
+        else:
+            modes += [_ENGINE * self._driven, along * self._engine_split]
+        stacked = np.array(modes)
+        covariance = stacked.T @ stacked
+        covariance += np.diag((_PADS * brakes) ** 2 + (self._inertia_stddev * inertial) ** 2)
+        with_sum = covariance.sum(axis=1)
+        missed, variance = along - float(expected.sum()), float(with_sum.sum()) + along_stddev**2
+        # where brakes and accelerometer contradict each other, what is stated of the brakes was too little
+        wider = max(1.0, missed * missed / variance)
+        gain = wider * with_sum / (wider * float(with_sum.sum()) + along_stddev**2)
+        return expected + gain * missed, wider * (covariance - np.outer(gain, with_sum))
 
-
-def _projected(x: float, y: float, x_stddev: float, y_stddev: float) -> float:
-    """Return the deviation of hypot(x, y); of little force it is that of the larger part."""
-    size = hypot(x, y)
-    if not size:
-        return max(x_stddev, y_stddev)
-    return hypot(x / size * x_stddev, y / size * y_stddev)
+    def _between_axles(self, shares: Array) -> Array:
+        """Return what moves from one axle to the other where forces are divided by some shares, sum 0."""
+        of_axles = np.maximum(self._axles @ shares, 1e-9)
+        if not np.all(self._axles @ shares > 0.0):
+            return np.zeros_like(shares)
+        return np.asarray(shares * (np.array([1.0, -1.0]) / of_axles @ self._axles))

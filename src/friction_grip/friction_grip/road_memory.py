@@ -56,6 +56,32 @@ class Proof:
     """[ns]"""
 
 
+class Proofs:
+    """The largest proof within a distance."""
+
+    def __init__(self, kept: float) -> None:
+        """Begin without one; `kept`: distance over which a proof counts [m]."""
+        self._kept = kept
+        self._falling: deque[Proof] = deque()
+        """Proofs of which each is larger than all later ones."""
+
+    def reset(self) -> None:
+        """Forget all."""
+        self._falling.clear()
+
+    def add(self, bound: float, distance: float, stamp: int) -> None:
+        """Take a lower bound that was given at a distance [m] and a stamp [ns]."""
+        while self._falling and self._falling[-1].mu <= bound:
+            self._falling.pop()
+        self._falling.append(Proof(bound, distance, stamp))
+
+    def largest(self, distance: float) -> Proof | None:
+        """Return the largest of those that count at a distance [m], not below those before; None: there is none."""
+        while self._falling and distance - self._falling[0].distance > self._kept:
+            self._falling.popleft()
+        return self._falling[0] if self._falling else None
+
+
 @dataclass(frozen=True)
 class Bounds:
     """What the road is believed to have."""
@@ -82,7 +108,8 @@ class RoadMemory:
             tail: probability that the lower bound leaves out.
         """
         self._prior = prior.density()
-        self._change, self._kept, self._tail = change_distance, proof_distance, tail
+        self._change, self._tail = change_distance, tail
+        self._proofs = Proofs(proof_distance)
         self._log_grid = np.log(GRID)
         self.reset()
 
@@ -98,14 +125,12 @@ class RoadMemory:
         self._stddev = np.full(1, _NO_PROOF)
         self._curve = np.full(1, np.nan)
         self._curve_stddev = np.full(1, np.nan)
-        self._proofs: deque[Proof] = deque()
+        self._proofs.reset()
 
     def drive(self, distance: float) -> None:
         """Go on by a distance [m]."""
         self.distance += distance
         self._gone += distance
-        while self._proofs and self.distance - self._proofs[0].distance > self._kept:
-            self._proofs.popleft()
         length = self.distance - self._begun
         if length < _SEGMENT:
             return
@@ -133,13 +158,11 @@ class RoadMemory:
     def prove(self, mu: float, stddev: float, stamp: int) -> None:
         """Take friction in use, with its deviation, at a stamp [ns]."""
         bound = mu - PROOF_SIGMAS * stddev
-        if bound <= 0.0:
+        if not bound > 0.0:
             return
         more = bound > self._proven - PROOF_SIGMAS * self._stddev
         self._proven[more], self._stddev[more] = mu, stddev
-        while self._proofs and self._proofs[-1].mu <= bound:
-            self._proofs.pop()
-        self._proofs.append(Proof(bound, self.distance, stamp))
+        self._proofs.add(bound, self.distance, stamp)
 
     def take_curve(self, mu_max: float, stddev: float) -> None:
         """Take the friction of a valid curve, with its deviation."""
@@ -148,7 +171,7 @@ class RoadMemory:
 
     def proof(self) -> Proof | None:
         """Return the largest proof within the distance that is kept, None where there is none."""
-        return self._proofs[0] if self._proofs else None
+        return self._proofs.largest(self.distance)
 
     def bounds(self) -> Bounds:
         """Return what the road is believed to have."""

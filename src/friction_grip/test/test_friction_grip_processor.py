@@ -5,12 +5,13 @@ from math import isnan, nan
 from typing import Any
 
 import pytest
-from friction_msgs.msg import FrictionCurve, Grip, TyreForce, Validity
+from friction_msgs.msg import FrictionCurve, Grip, TyreForce, Validity, WheelGrip
+from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_grip.parameters import FrictionGripParameters
 from friction_grip.ros.processor import GRIP, GripProcessor, build
-from friction_runtime.messages import header_at
+from friction_runtime.messages import header_at, to_nanoseconds
 from friction_runtime.processor import Level
 from vehicle_models.constants import GRAVITY
 from vehicle_models.reason import Reason
@@ -47,6 +48,11 @@ def pressures(k: int, pascal: float) -> Stream:
 
 def told(processor: GripProcessor, stream: Stream) -> list[Grip]:
     return [answer for topic, message in stream for name, answer in processor.process(topic, message) if name == GRIP]
+
+
+def of_wheel(processor: GripProcessor, stream: Stream, wheel: int = 0) -> list[WheelGrip]:
+    name = f"{CAR.wheel_names[wheel]}/grip"
+    return [answer for topic, message in stream for to, answer in processor.process(topic, message) if to == name]
 
 
 def steady(forward: float, leftward: float = 0.0, pascal: float | None = None, count: int = 200) -> Stream:
@@ -138,7 +144,38 @@ def test_a_tyre_that_measures_its_force_proves_too() -> None:
             force.fx_stddev, force.fz_stddev, force.validity = 100.0, 100.0, Validity(valid=True)
             stream.append((f"{CAR.wheel_names[0]}/tyre_force", force))
     message = told(made(), stream)[-1]
+    wheel = [each for each in of_wheel(made(), stream) if each.validity.valid][-1]
     assert message.mu_proven == pytest.approx(0.6 - 2.58 * 0.0292, abs=0.005)
+    assert wheel.mu_proven == pytest.approx(message.mu_proven)
+    assert wheel.source == WheelGrip.TYRE_FORCE
+    assert wheel.used.mu_x == pytest.approx(0.6)
+
+
+def test_a_wheel_with_a_pressure_has_its_own_grip_and_one_without_says_why() -> None:
+    with_pressures, without = of_wheel(made(), steady(-3.0, pascal=4e6)), of_wheel(made(), steady(-3.0))
+    known, unknown = with_pressures[-1], without[-1]
+    assert known.validity.valid
+    assert known.wheel == CAR.wheel_names[0]
+    assert known.source == WheelGrip.BRAKE
+    assert 0.25 < known.used.mu_used < 0.4
+    assert 0.0 < known.mu_proven < known.used.mu_used
+    assert unknown.source == WheelGrip.NONE
+    assert unknown.validity.reason == Reason.NO_PRESSURE
+    assert "front_left/brake_pressure" in unknown.validity.text
+    assert isnan(unknown.used.mu_used)
+    assert isnan(unknown.mu_proven)
+
+
+def test_distances_are_those_of_the_car_while_its_wheels_slide() -> None:
+    stream: Stream = []
+    for k in range(1, 400):
+        speed = TwistWithCovarianceStamped(header=header_at(k * STEP, "base_link"))
+        speed.twist.twist.linear.x = 10.0
+        speed.twist.covariance[0] = 0.01
+        stream += [imu(k, -1.0), ("vehicle_speed", speed), wheels(k, 10.0 if k < 200 else 0.0)]
+    message = told(made(), stream)[-1]
+    assert message.distance == pytest.approx(10.0 * to_nanoseconds(message.header.stamp) * 1e-9, abs=0.2)
+    assert message.distance > 15.0
 
 
 def test_answers_do_not_depend_on_the_order_of_arrival() -> None:

@@ -1,4 +1,4 @@
-"""Lines over time, strips of codes and friction curves of a recorded run."""
+"""Lines over time, strips of codes, friction curves and the track of a recorded run."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from friction_bags.results.braking_rows import Fit, fits_of
 from friction_bags.results.recorded_run import VEHICLE, WHY, Array, RecordedRun, Series
 from friction_runtime.reports import INTERVAL_95, plain_reason
+from vehicle_models.nanoseconds import NANOSECONDS
 
 _GRIP_DELAY = 0.1
 """Age [s] of the friction used at its stamp: half of the time over which it is a mean."""
@@ -85,6 +86,30 @@ class Curves:
     """[s], shape (n,)."""
     columns: Mapping[str, Array]
     """theta_1 to theta_3, lambda_max, mu_max and their standard deviations, each of shape (n,)."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """Where the car was, and what the road was known to have there."""
+
+    time: Array
+    """[s], shape (n,)."""
+    east: Array
+    """[m], shape (n,); NaN where no place is known."""
+    north: Array
+    values: Mapping[str, Array]
+    """Friction by name, each of shape (n,)."""
+
+
+def track_of(run: RecordedRun) -> Track | None:
+    """Return the track of a run, None where places or the grip are missing."""
+    grip = run.get("grip")
+    if grip is None:
+        return None
+    east, north = run.places().metres(run.start + np.round(grip.time * NANOSECONDS).astype(np.int64))
+    if not np.any(np.isfinite(east)):
+        return None
+    return Track(grip.time, east, north, {name: grip[name] for name in ("mu_proven", "mu_lower")})
 
 
 def lines_of(run: RecordedRun) -> Iterator[Line]:
@@ -209,6 +234,11 @@ def _grip(run: RecordedRun) -> Iterator[Line]:
     yield Line("grip", "proven within 100 m", VEHICLE, "estimate", "grip", grip.time, grip["mu_proven"])
     for name in ("lower", "upper"):
         yield Line("grip", f"{name} bound", VEHICLE, "bound", "grip", grip.time, grip[f"mu_{name}"])
+    for wheel in run.wheels:
+        if (of_wheel := run.get(topic := f"{wheel}/grip")) is not None:
+            used, reach = of_wheel["used.mu_used"], INTERVAL_95 * of_wheel["used.mu_used_stddev"]
+            time = of_wheel.time - _GRIP_DELAY
+            yield Line("wheel_grip", wheel, wheel, "estimate", topic, time, used, (used - reach, used + reach))
 
 
 def _brake(run: RecordedRun, wheel: str) -> Iterator[Line]:

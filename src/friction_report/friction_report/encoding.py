@@ -1,4 +1,4 @@
-"""Lines, strips, curves and signals of a run in few numbers, as the JSON of the page holds them."""
+"""Lines, strips, curves, signals and the track of a run in few numbers, as the JSON of the page holds them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_bags.results.recorded_run import Array
-from friction_report.drive_series import Curves, Line, Strip
+from friction_report.drive_series import Curves, Line, Strip, Track
 from friction_report.signals import Points, Signal
 from friction_report.thinning import bucket_edges, decimate, last_of_buckets
 from friction_runtime.reports import report_kind
@@ -128,6 +128,17 @@ class Thinning:
         }
         for name, digits in _CURVE_DIGITS.items():
             made[name] = {"unit": 10**digits, "v": _whole(_scaled(curves.columns[name][rows], digits))}
+        return made
+
+    def track(self, track: Track) -> dict[str, Any]:
+        """Return a track, every n-th place of those that are too many."""
+        rows = np.flatnonzero(np.isfinite(track.east))
+        rows = rows[:: ceil(max(rows.size, 1) / _FINE)]
+        made: dict[str, Any] = {"t": self._time(track.time[rows])}
+        for name, values, digits in (("east", track.east, 1), ("north", track.north, 1)):
+            made[name] = {"unit": 10**digits, "v": _whole(_scaled(values[rows], digits))}
+        for name, values in track.values.items():
+            made[name] = {"unit": 10**_POINT_DIGITS, "v": _whole(_scaled(values[rows], _POINT_DIGITS))}
         return made
 
     def _few(self, time: Array, columns: Array, digits: int, most: int, edges: Array) -> tuple[Array, Array]:

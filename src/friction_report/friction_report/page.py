@@ -24,6 +24,7 @@ from friction_report.drive_series import (
     curves_of,
     lines_of,
     strips_of,
+    track_of,
 )
 from friction_report.encoding import TIME_DIGITS, Meanings, Thinning, short
 from friction_report.signals import points_of, signals_of
@@ -51,12 +52,15 @@ class Panel:
     """Decimals of the values, for lines."""
 
 
-_SCRIPTS = ("base", "view", "time_plots", "strips", "curve", "own", "export", "tables", "page")
+_SCRIPTS = ("base", "view", "time_plots", "strips", "curve", "track", "own", "export", "tables", "page")
 """Files of the page's code in the order in which they run."""
 PANELS = (
     Panel("speed", "Speeds of car and wheels", "speed [m/s]", "slip, vehicle_velocity", 3),
     Panel("slip", "Slip of each wheel", "slip λ [-]", "slip", 4),
     Panel("grip", "Friction used, proven and believed", "µ [-]", "grip", 3),
+    Panel("wheel_grip", "Friction used by each wheel", "µ [-]", "grip", 3),
+    Panel("mu_proven", "Track, coloured by the friction proven within 100 m", "µ proven", "sensor_msgs/NavSatFix"),
+    Panel("mu_lower", "Track, coloured by the lower bound of friction", "µ, lower bound", "sensor_msgs/NavSatFix"),
     Panel("sign", "Sign of the slope of the friction curve", "", "friction_slope"),
     Panel("lambda_max", "Slip at the peak of the identified curve", "λ_max [-]", "friction_curve", 4),
     Panel("mu_max", "Friction at the peak of the identified curve", "µ_max [-]", "friction_curve", 3),
@@ -129,7 +133,7 @@ def page_data(run: RecordedRun, title: str, remarks: Sequence[str] = ()) -> dict
     lines, strips, curves = list(lines_of(run)), list(strips_of(run)), list(curves_of(run))
     times = [series.time for series in run.series.values()]
     start, end = (min(t[0] for t in times), max(t[-1] for t in times)) if times else (0.0, 0.0)
-    signals = list(signals_of(run))
+    signals, track = list(signals_of(run)), track_of(run)
     thin = Thinning(start, end, [(row.start, row.end) for row in brakings], len(signals))
     drawn = [line for line in lines if np.any(np.isfinite(line.values))]
     never_valid = {line.panel for line in lines if line.kind in _ESTIMATED}
@@ -138,6 +142,7 @@ def page_data(run: RecordedRun, title: str, remarks: Sequence[str] = ()) -> dict
     meanings = Meanings(strips)
     filled = {line.panel for line in drawn} | {strip.panel for strip in strips}
     filled |= ({"curve"} if curves and "lambda_max" in filled else set()) | ({"own"} if signals else set())
+    filled |= set(track.values) if track else set()
     shown = [panel for panel in PANELS if panel.key in filled]
     digits = {panel.key: panel.digits for panel in PANELS}
     encoded = [thin.line(line, digits[line.panel]) for line in drawn]
@@ -156,6 +161,7 @@ def page_data(run: RecordedRun, title: str, remarks: Sequence[str] = ()) -> dict
         "signals": [thin.signal(each) for each in signals],
         "points": [thin.points(each) for each in points_of(run) if np.any(np.isfinite(each.slip + each.mu))],
         "curves": [thin.curves(each) for each in curves],
+        "track": thin.track(track) if track else None,
         "times": thin.times,
         "interval": INTERVAL_95,
         "brakings": [_braking(row) for row in brakings],

@@ -12,9 +12,12 @@ from pathlib import Path
 from shutil import which
 from typing import Any
 
+import numpy as np
 import pytest
 
+from friction_bags.results.recorded_run import RecordedRun, Series
 from friction_report.__main__ import main
+from friction_report.page import write_page
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is absent: make browser")
 BAGS = Path(__file__).parents[3] / "bags"
@@ -327,3 +330,25 @@ def test_paper_has_every_plot_and_no_buttons(page: Any) -> None:
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     page.emulate_media(media="screen")
     assert page.locator("#panel_slip canvas").bounding_box()["width"] > 1000.0
+
+
+def test_click_on_the_track_picks_the_time_at_which_the_car_was_there(browser: Any, tmp_path: Path) -> None:
+    time, fixed = np.arange(0.0, 10.0, 0.05), np.arange(0.0, 11.0)
+    names = [
+        f"{part}.{name}" for part in ("vehicle", "front", "rear") for name in ("mu_x", "mu_used", "mu_used_stddev")
+    ]
+    grip = {name: 0.1 * np.ones(200) for name in (*names, "mu_proven", "mu_lower", "mu_upper")}
+    fixes = {"latitude": 1e-4 * fixed, "longitude": 1e-4 * fixed, "status.status": 0.0 * fixed}
+    run = RecordedRun((), 10**9, {"grip": Series(time, grip), "fix": Series(fixed, fixes)}, time)
+    write_page(run, tmp_path / "page.html", "drive")
+    page = browser.new_page(viewport={"width": 1400, "height": 900})
+    page.goto((tmp_path / "page.html").as_uri())
+    box = area(page, "mu_proven")
+    page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    assert float(page.locator("#pick input").input_value()) == pytest.approx(5.0, abs=0.2)
+    said = page.locator("#panel_mu_proven .readout")
+    eventually(page, lambda: re.search(r"0\.100 at 5\d m east, 5\d m north", said.inner_text()) is not None)
+    name, rows = saved(page, "panel_mu_lower", "CSV")
+    assert name == "drive_mu_lower.csv"
+    assert len(rows.splitlines()) == 201
+    page.close()

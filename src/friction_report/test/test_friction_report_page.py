@@ -93,7 +93,8 @@ def test_every_topic_of_the_bag_is_drawn_or_named(stop: str) -> None:
     assert data["not_drawn"] == ["/front_left/friction_curve_debug", "/imu/data"]
     drawn = {line["label"] for line in data["lines"]}
     assert {"front_left, ω r", "car, estimated", "car, speed sensor", "car, true"} <= drawn
-    assert {panel["key"] for panel in data["panels"]} == {panel.key for panel in PANELS}
+    not_in_bag = {"mu_proven", "mu_lower", "wheel_grip"}
+    assert {panel["key"] for panel in data["panels"]} == {panel.key for panel in PANELS} - not_in_bag
     assert {(strip["panel"], strip["group"]) for strip in data["strips"]} >= {
         *(("sign", group) for group in ("estimated", "true")),
         *(("supervisor", group) for group in ("state", "law", "release", "command")),
@@ -107,6 +108,34 @@ def test_grip_is_drawn_with_its_bounds(tmp_path: Path) -> None:
     write_page(read_run(tmp_path / "bag"), tmp_path / "page.html", "stop")
     lines = [line for line in shown((tmp_path / "page.html").read_text())["lines"] if line["panel"] == "grip"]
     assert {line["label"] for line in lines} >= {"used", "proven within 100 m", "lower bound"}
+
+
+def drive_east(status: float = 0.0) -> RecordedRun:
+    """Drive of 10 s and 111 m along the equator to the east, with a fix a second."""
+    time, fixed = np.arange(0.0, 10.0, 0.05), np.arange(0.0, 11.0)
+    parts = {f"{part}.{name}": 0.1 * np.ones(200) for part in ("vehicle", "front", "rear") for name in ("mu_x",)}
+    parts |= {f"vehicle.{name}": 0.1 * np.ones(200) for name in ("mu_used", "mu_used_stddev")}
+    bounds = {"mu_proven": 0.01 * time, "mu_lower": 0.5 * np.ones(200), "mu_upper": np.full(200, np.nan)}
+    fixes = {"latitude": 0.0 * fixed, "longitude": 1e-4 * fixed, "status.status": status * np.ones(11)}
+    series = {"grip": Series(time, parts | bounds), "gnss/fix": Series(fixed, fixes)}
+    return RecordedRun(("front_left",), 10**9, series, time)
+
+
+def test_track_has_the_friction_of_each_place() -> None:
+    data = page_data(drive_east(), "drive")
+    assert {"mu_proven", "mu_lower"} <= {panel["key"] for panel in data["panels"]}
+    track = data["track"]
+    east = np.array(track["east"]["v"]) / track["east"]["unit"]
+    assert east == pytest.approx(11.12 * np.arange(0.0, 10.0, 0.05), abs=0.06)
+    assert np.array(track["mu_proven"]["v"]) / track["mu_proven"]["unit"] == pytest.approx(
+        0.01 * east / 11.12, abs=2e-4
+    )
+
+
+def test_track_needs_a_fix() -> None:
+    data = page_data(drive_east(status=-1.0), "drive")
+    assert data["track"] is None
+    assert sum("no sensor_msgs/NavSatFix" in text for text in data["absent"]) == 2
 
 
 def test_lines_have_the_values_and_times_of_the_bag(stop: str) -> None:

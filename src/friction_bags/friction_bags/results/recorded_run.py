@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
+from friction_bags.results.places import NO_FIX, Places
 from friction_runtime.installed import message_class
 from friction_runtime.messages import to_nanoseconds
 from friction_runtime.reports import report_kind
@@ -62,12 +63,14 @@ COLUMNS: Columns = {
         *(f"{part}.{name}" for part in ("vehicle", "front", "rear") for name in ("mu_x", "mu_used", "mu_used_stddev")),
         *("distance", "mu_proven", "mu_lower", "mu_upper", "evidence", _VALID),
     ),
+    "friction_msgs/msg/WheelGrip": ("used.mu_x", "used.mu_used", "used.mu_used_stddev", "mu_proven", _VALID),
     "friction_msgs/msg/VehicleFit": ("brakings", _VALID),
     "friction_msgs/msg/ContactPatch": ("length", "shift", _VALID),
     "friction_msgs/msg/TyreForce": ("fx", "fz", "fx_stddev", "fz_stddev", _VALID),
     "friction_msgs/msg/BrakeCommand": ("command",),
     "friction_msgs/msg/BrakeDemand": ("pressure",),
     "sensor_msgs/msg/FluidPressure": ("fluid_pressure",),
+    "sensor_msgs/msg/NavSatFix": ("latitude", "longitude", "status.status"),
     "geometry_msgs/msg/TwistWithCovarianceStamped": ("twist.twist.linear.x",),
 }
 
@@ -121,6 +124,17 @@ class RecordedRun:
     def get(self, topic: str) -> Series | None:
         """Return the series of a topic, None where the bag has no message of it."""
         return self.series.get(topic)
+
+    def places(self) -> Places:
+        """Return the places of the drive: of the receiver that has most fixes."""
+        receivers = [each for each in self.series.values() if {"latitude", "longitude"} <= each.columns.keys()]
+        most = max(receivers, key=lambda each: each.time.size, default=None)
+        if most is None:
+            return Places(np.empty(0, np.int64), np.empty(0), np.empty(0))
+        latitudes, longitudes = most["latitude"], most["longitude"]
+        good = (most["status.status"] != NO_FIX) & np.isfinite(latitudes + longitudes)
+        stamps = self.start + np.round(most.time[good] * NANOSECONDS).astype(np.int64)
+        return Places(stamps, latitudes[good], longitudes[good])
 
     def crossings(self, topic: str) -> list[CrossingEvent]:
         """Return the slope crossings of a friction_slope topic; times as in the truth, or when first known."""

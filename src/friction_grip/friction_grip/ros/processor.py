@@ -1,18 +1,20 @@
-"""Wheel speeds, accelerometer, pressures and curves in, grip out: one message for the car, every 0.05 s."""
+"""Wheel speeds, accelerometer, pressures and curves in, grip of car and wheels out, every 0.05 s."""
 
 from collections.abc import Mapping
 from math import hypot, isfinite, nan
 from statistics import median
 from typing import Any, Final
 
-from friction_msgs.msg import FrictionCurve, Grip, GripUsed, TyreForce
+from friction_msgs.msg import FrictionCurve, Grip, GripUsed, TyreForce, WheelGrip
+from geometry_msgs.msg import TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, Imu, JointState
 
-from friction_grip.friction_used import FrictionUsed, GripInUse, Used
+from friction_grip.friction_used import UNKNOWN, FrictionUsed, GripInUse, Used
 from friction_grip.parameters import FrictionGripParameters
-from friction_grip.road_memory import RoadMemory
+from friction_grip.road_memory import PROOF_SIGMAS, Proof, Proofs, RoadMemory
 from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
+from friction_runtime.lateral_inputs import yaw_rate_of
 from friction_runtime.messages import header_at, to_nanoseconds, validity
 from friction_runtime.processor import Level, Output, Report, silent
 from friction_runtime.wheel_inputs import WHEEL_STATES, BrakeTorque, WheelSpeeds
@@ -22,6 +24,9 @@ from vehicle_models.vehicle import Vehicle
 
 GRIP: Final = "grip"
 IMU: Final = "imu/data"
+VEHICLE_SPEED: Final = "vehicle_speed"
+_SPEED_KNOWN: Final = 1.0
+"""Largest deviation of a speed of which distances are made [m/s]."""
 _LONGEST_STEP: Final = 0.5
 """Time between samples over which a car is known to have gone on [s]."""
 _REVOLUTION: Final = 0.5
@@ -54,20 +59,26 @@ class GripProcessor(AlignedProcessor[Speeds]):
         self.estimates: Mapping[str, type] = {
             **dict.fromkeys(self._curves, FrictionCurve),
             **dict.fromkeys(self._forces, TyreForce),
+            VEHICLE_SPEED: TwistWithCovarianceStamped,
         }
-        self.outputs: Mapping[str, type] = {GRIP: Grip}
+        self._names = vehicle.wheel_names
+        self._grips = tuple(f"{name}/grip" for name in self._names)
+        self.outputs: Mapping[str, type] = {GRIP: Grip, **dict.fromkeys(self._grips, WheelGrip)}
         others = (*self._brakes, *self.estimates)
         aligned = [AlignedInput(topic) for topic in (IMU, *self._brakes)]
-        aligned += [AlignedInput(topic, optional=True) for topic in self._curves]
+        aligned += [AlignedInput(topic, optional=True) for topic in (*self._curves, VEHICLE_SPEED)]
         aligned += [AlignedInput(topic, _REVOLUTION, optional=True) for topic in self._forces]
         super().__init__("vehicle", Primary(WHEEL_STATES, "vehicle", report), aligned, parameters.deadline, others)
         self._used = FrictionUsed(vehicle)
         tail = 1.0 - parameters.lower_probability
         self._road = RoadMemory(parameters.prior, parameters.change_distance, parameters.proof_distance, tail)
+        self._of_wheels = [Proofs(parameters.proof_distance) for _ in self._names]
         self._forget()
 
     def _forget(self) -> None:
         self._used.reset()
+        for proofs in self._of_wheels:
+            proofs.reset()
         self._road.reset()
         self._last: int | None = None
         self._has_lateral = False
@@ -86,7 +97,13 @@ class GripProcessor(AlignedProcessor[Speeds]):
             leftward = float(getattr(message.linear_acceleration, self._across))
             if not (abs(forward) <= _LARGEST and abs(leftward) <= _LARGEST):
                 return f"{IMU}: {forward} and {leftward} m/s^2 are no accelerations of a car"
-            return self._aligner.offer(topic, stamp, (forward, leftward))
+            yaw_rate = yaw_rate_of(message)
+            turning = (yaw_rate, 1.0) if isfinite(yaw_rate) else (0.0, 0.0)
+            return self._aligner.offer(topic, stamp, (forward, leftward, *turning))
+        if topic == VEHICLE_SPEED:
+            speed, variance = message.twist.twist.linear.x, message.twist.covariance[0]
+            known = isfinite(speed) and 0.0 <= variance <= _SPEED_KNOWN**2
+            return self._aligner.offer(topic, stamp, (speed, 1.0) if known else (0.0, 0.0))
         brake = self._brakes.get(topic)
         if topic in self._forces:
             return self._aligner.offer(topic, stamp, _of_tyre(message))
@@ -104,34 +121,62 @@ class GripProcessor(AlignedProcessor[Speeds]):
         self._last = sample.stamp
         if not speeds:
             return self._unknown(sample.stamp, Reason.NO_WHEEL_SPEED, f"{WHEEL_STATES}: no wheel has a speed")
-        # a wheel that brakes turns slower, one that drives faster: the car is no slower than the median
-        speed = abs(median(speeds))
+        # a wheel that brakes turns slower, one that drives faster: without an estimate the car has their median
+        estimated = sample.values.get(VEHICLE_SPEED, (0.0, 0.0))
+        speed = abs(estimated[0] if estimated[1] == 1.0 else median(speeds))
         self._road.drive(speed * min(step, _LONGEST_STEP))
-        if imu is None:
-            return self._unknown(sample.stamp, Reason.NO_ACCELERATION, sample.missing.get(IMU, f"{IMU}: no sample"))
-        self._has_lateral = self._has_lateral or imu[1] != 0.0
+        forward, leftward, yaw_rate, turning = (nan, nan, nan, 0.0) if imu is None else imu
+        self._has_lateral = self._has_lateral or abs(leftward) > 0.0
+        leftward, yaw_rate = leftward if self._has_lateral else nan, yaw_rate if turning == 1.0 else nan
         torques = [sample.values.get(topic, (nan,))[0] for topic in self._brakes]
-        used = self._used.update(sample.stamp, speed, imu[0], imu[1] if self._has_lateral else nan, torques)
+        used = self._used.update(sample.stamp, speed, forward, leftward, yaw_rate, torques, sample.payload)
         if used is None:
             return []
+        outputs = self._of_wheels_now(sample, used)
+        if not isfinite(used.vehicle.mu_used):
+            text = sample.missing.get(IMU, f"{IMU}: no sample within the last 0.2 s")
+            return [*self._unknown(sample.stamp, Reason.NO_ACCELERATION, text), *outputs]
         curves = [values[:2] for topic in self._curves if (values := sample.values.get(topic)) and values[2] == 1.0]
         if curves:
             self._road.take_curve(median(mu for mu, _ in curves), max(stddev for _, stddev in curves))
         self._road.feel(used, sample.stamp)
-        for topic in self._forces:
-            values = sample.values.get(topic)
-            if values is not None and values[2] == 1.0:
-                self._road.prove(values[0], values[1], sample.stamp)
-        return self._of(sample.stamp, used)
+        return [*self._of_car(sample.stamp, used), *outputs]
 
-    def _of(self, stamp: int, used: GripInUse) -> list[Output]:
-        bounds, proof = self._road.bounds(), self._road.proof()
+    def _of_wheels_now(self, sample: AlignedSample[Speeds], used: GripInUse) -> list[Output]:
+        outputs: list[Output] = []
+        for place, by_brake in enumerate(used.wheels):
+            by_tyre = sample.values.get(self._forces[place], (0.0, 0.0, 0.0))
+            if by_tyre[2] == 1.0:
+                mu_x, stddev = by_tyre[:2]
+                self._road.prove(abs(mu_x), stddev, sample.stamp)
+                of_wheel = Used(mu_x, nan, abs(mu_x), stddev), WheelGrip.TYRE_FORCE, ""
+            else:
+                why = "" if isfinite(by_brake.mu_used) else self._lacks(sample, tuple(self._brakes)[place])
+                of_wheel = by_brake, WheelGrip.NONE if why else WheelGrip.BRAKE, why
+            outputs.append(self._of_wheel(sample.stamp, place, *of_wheel))
+        return outputs
+
+    def _lacks(self, sample: AlignedSample[Speeds], pressure: str) -> str:
+        topic = pressure if pressure in sample.missing else IMU
+        return sample.missing.get(topic, f"{topic}: no sample within the last 0.2 s")
+
+    def _of_wheel(self, stamp: int, place: int, used: Used, source: int, why: str) -> Output:
+        name, proofs, distance = self._names[place], self._of_wheels[place], self._road.distance
+        bound = used.mu_used - PROOF_SIGMAS * used.stddev
+        if bound > 0.0:
+            proofs.add(bound, distance, stamp)
+        message = WheelGrip(header=header_at(stamp, name), wheel=name, used=_message(used))
+        _set_proof(message, proofs.largest(distance), distance, stamp)
+        message.source = source
+        lacking = Reason.NO_ACCELERATION if why.startswith(IMU) else Reason.NO_PRESSURE
+        message.validity = validity(name, lacking if why else Reason.OK, why)
+        return self._grips[place], message
+
+    def _of_car(self, stamp: int, used: GripInUse) -> list[Output]:
+        bounds = self._road.bounds()
         message = self._blank(stamp)
         message.vehicle, message.front, message.rear = map(_message, (used.vehicle, used.front, used.rear))
-        if proof is not None:
-            message.mu_proven = proof.mu
-            message.mu_proven_distance = self._road.distance - proof.distance
-            message.mu_proven_age = (stamp - proof.stamp) / NANOSECONDS
+        _set_proof(message, self._road.proof(), self._road.distance, stamp)
         message.mu_lower, message.mu_upper = bounds.lower, bounds.upper
         message.margin = bounds.lower - max(used.vehicle.mu_used, used.front.mu_used, used.rear.mu_used)
         message.evidence = Grip.CURVE if bounds.has_curve else Grip.FORCE if bounds.has_proof else Grip.PRIOR
@@ -150,7 +195,7 @@ class GripProcessor(AlignedProcessor[Speeds]):
         message = Grip(header=header_at(stamp, "base_link"), distance=self._road.distance)
         for name in ("mu_proven", "mu_proven_distance", "mu_proven_age", "mu_lower", "mu_upper", "margin"):
             setattr(message, name, nan)
-        message.vehicle, message.front, message.rear = (_message(Used(nan, nan, nan, nan)) for _ in range(3))
+        message.vehicle, message.front, message.rear = (_message(UNKNOWN) for _ in range(3))
         message.mu_lower_probability = self._p.lower_probability
         message.change_distance = self._p.change_distance
         return message
@@ -173,13 +218,21 @@ class GripProcessor(AlignedProcessor[Speeds]):
         }
 
 
-def _of_tyre(force: TyreForce) -> tuple[float, float, float]:
+def _of_tyre(force: TyreForce) -> tuple[float, ...]:
     """Return the friction that a tyre uses along the car, its deviation and 1; zeros where it is not known."""
     if not (force.validity.valid and force.fz > 0.0):
         return 0.0, 0.0, 0.0
-    mu = abs(force.fx) / force.fz
+    mu = -force.fx / force.fz
     stddev = hypot(force.fx_stddev, mu * force.fz_stddev) / force.fz
     return (mu, stddev, 1.0) if isfinite(mu + stddev) else (0.0, 0.0, 0.0)
+
+
+def _set_proof(message: Grip | WheelGrip, proof: Proof | None, distance: float, stamp: int) -> None:
+    message.mu_proven = message.mu_proven_distance = message.mu_proven_age = nan
+    if proof is not None:
+        message.mu_proven = proof.mu
+        message.mu_proven_distance = distance - proof.distance
+        message.mu_proven_age = (stamp - proof.stamp) / NANOSECONDS
 
 
 def _message(used: Used) -> GripUsed:

@@ -1,6 +1,6 @@
 // Lays the page out. Everything of the bag is set as text, never as HTML.
 
-const MAKERS = { curve: curvePanel, sign: stripPanel, supervisor: stripPanel, validity: stripPanel, own: ownPanel };
+const MAKERS = { curve: curvePanel, mu_proven: trackPanel, mu_lower: trackPanel, sign: stripPanel, supervisor: stripPanel, validity: stripPanel, own: ownPanel };
 
 /** A panel below its heading: the tools, the plot, what its dashes and colours stand for, and its numbers as a table. */
 function addPanel(panel, section) {
