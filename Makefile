@@ -73,6 +73,7 @@ docs: build ## write parameter files, parameter tables and pictures, generated f
 	@$(run) python -m tools.docs
 	@$(run) python tools/draw_layers.py
 	@$(run) python -m tools.draw_slip_stop
+	@$(run) python -m tools.draw_grip_drive
 
 clean: ## remove the files that the targets above made
 	rm -rf .venv build install log out .mypy_cache .ruff_cache .pytest_cache .hypothesis
