@@ -11,7 +11,7 @@ PARTS = {
     "slope": "delay, false alarms and slip at detection of the slope sign, both methods, all surfaces",
     "slope_position": "slope signs in ABS stops of whole cars, straight and in curves, on a plant of its own",
     "abs": "closed loop with the supervisor: adhesion utilisation, stopping distance, wheel lock",
-    "identification": "Monte Carlo of lambda_max: the chapter's methods and exact_vehicle, beside the Cramer-Rao bound",
+    "identification": "Monte Carlo of lambda_max: the chapter's methods beside the Cramer-Rao bound",
     "real_car": "friction curves of cars that are not known exactly, on a plant of its own",
     "measured": "whole-vehicle fit on measured data: BMW stop, Putnam laps, tyre rig",
     "slip": "vehicle speed and slip without a speed sensor, simulated stops and the measured one",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +21,7 @@ from book.tables import READINGS, begun, chapter_tables, completed, friction_poi
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.curve.fitted_curve import FittedCurve
 from friction_curve_id.interface import CurveEstimate, Refusal
-from friction_curve_id.methods import CHAPTER_METHODS, exact_wheel_estimator
+from friction_curve_id.methods import exact_wheel_estimator
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import TABLE_8_1
 
@@ -51,7 +50,7 @@ def figures(directory: Path, methods: Sequence[str]) -> list[Row]:
                 left, right = figure.subplots(1, 2)
                 last = answers[-1]
                 peak = last.lambda_max if isinstance(last, CurveEstimate) else np.nan
-                _draw_fit(left, points, _curves(method, points, answers), peak, truth.theta[surface])
+                _draw_fit(left, points, _curves(method, points), peak, truth.theta[surface])
                 _draw_history(right, answers, float(burckhardt.peak(truth.theta[surface])[0]))
                 figure.suptitle(f"{method} on {name}, manoeuvre {_MANOEUVRE}")
                 path = directory / f"identification_{_MANOEUVRE}_{name}_{method}.png"
@@ -62,11 +61,8 @@ def figures(directory: Path, methods: Sequence[str]) -> list[Row]:
     return rows
 
 
-def _curves(method: str, points: tuple[Array, Array], answers: list[CurveEstimate | Refusal]) -> tuple[Curve, Curve]:
+def _curves(method: str, points: tuple[Array, Array]) -> tuple[Curve, Curve]:
     """Return the first and the last curve that a method fitted."""
-    if method not in CHAPTER_METHODS:
-        thetas = [answer.theta for answer in answers if isinstance(answer, CurveEstimate)]
-        return partial(burckhardt.friction, thetas[0]), partial(burckhardt.friction, thetas[-1])
     fit = begun(method, *points)
     first = fit.curve()
     last = completed(fit, *points)
@@ -111,7 +107,7 @@ _FIRST = "cobblestone"
 """The chapter's figures are of this road."""
 _FIGURES = {"rml": "Figures 8.5, 8.6", "rls": "Figures 8.7, 8.8"}
 _PLACES = {"ml": "Table 8.2", "rml": "Table 8.2", "ls": "Table 8.3"}
-_METHODS = ("rml", "rls", "ml", "rml_ml", "exact_vehicle")
+_METHODS = ("rml", "rls", "ml", "rml_ml")
 _OURS = next(iter(READINGS))
 _FEWEST = 20
 """Runs for a middle 90 %."""

@@ -26,7 +26,6 @@ SYMBOLS = {
     "theta_1, theta_2, theta_3": "parameters of the Burckhardt curve theta_1 (1 - exp(-theta_2 slip)) - theta_3 slip",
     "ML, RML, RML+ML": "maximum likelihood over all samples; recursive; recursive with a few batch iterations",
     "LS, RLS": "least squares on four fixed exponentials, a line and a constant (8.12); recursive",
-    "exact_vehicle": "the estimator that friction_curve_id ships, which is not of the chapter",
     "lambda_init, ABS activation": "slip beyond which the methods start (0.07), and at which an ABS would act (0.15)",
     "Fx, Fz": "longitudinal and vertical force of a tyre on the road [N]",
     "alpha_1, alpha_2": "wheel angles at which a point of the tyre enters and leaves the contact patch",

@@ -59,7 +59,7 @@ class BeyondStart:
 
 Array = NDArray[np.float64]
 
-CASES = (("rls", "all"), ("rls", "beyond"), ("rml_ml", "all"), ("rml_ml", "beyond"), ("exact_vehicle", "all"))
+CASES = (("rls", "all"), ("rls", "beyond"), ("rml_ml", "all"), ("rml_ml", "beyond"))
 """Methods, and with which samples they begin."""
 SPEEDS = ("measured", "estimated")
 LAMBDA_INIT = 0.07

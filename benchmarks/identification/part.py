@@ -1,4 +1,4 @@
-"""Identification of lambda_max by the methods of one wheel over manoeuvres and roads, beside the Cramer-Rao bound."""
+"""Identification of lambda_max by the chapter's methods over manoeuvres and surfaces, beside the Cramer-Rao bound."""
 
 import argparse
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from benchmarks.identification.runs import Batch, kept_from, make, peak_row
 from benchmarks.protocol import DT, RAMP_TIMES, SPEED, Truth, braking
 from benchmarks.runner import Row
 from friction_curve_id.chapter.friction_samples import FrictionSource
-from friction_curve_id.methods import METHODS
+from friction_curve_id.methods import CHAPTER_METHODS
 from friction_parameters.command_line import count
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import SURFACES, TABLE_8_1
@@ -78,7 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of this part."""
     parser.add_argument("--manoeuvre", choices=RAMP_TIMES, default="B", help="torque ramp: A 0.5 s, B 0.25 s, C 0.1 s")
     parser.add_argument("--seeds", type=count, default=500, help="noise seeds a surface")
-    parser.add_argument("--methods", nargs="+", choices=METHODS, default=list(METHODS), help="all, or some")
+    parser.add_argument("--methods", nargs="+", choices=CHAPTER_METHODS, default=list(CHAPTER_METHODS))
     parser.add_argument(
         "--source",
         choices=[source.value for source in FrictionSource],

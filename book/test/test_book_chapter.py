@@ -79,7 +79,7 @@ def test_rls_equals_ls_from_its_first_estimate_on(table: dict[tuple[str, str], R
 
 
 def test_a_figure_is_drawn_for_every_method_and_surface(tmp_path: Path) -> None:
-    methods = ["rls", "exact_vehicle"]
+    methods = ["rls", "ml"]
     rows = figures(tmp_path, methods)
     assert len(rows) == len(methods) * len(TABLE_8_1)
     for row in rows:

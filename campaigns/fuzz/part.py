@@ -40,7 +40,7 @@ _SHARES = (0.002, 0.02, 0.2, 1.0)
 """Shares of broken messages, in turn: the rarer, the further the broken ones get."""
 _LONGEST_FAULT = 200
 """Largest number of messages that a lasting fault breaks in the same way."""
-_CURVE_METHODS = ("exact_vehicle", "car", "ml", "rml", "rml_ml", "ls", "rls", "vehicle", "tyre_force")
+_CURVE_METHODS = ("car", "ml", "rml", "rml_ml", "ls", "rls", "vehicle", "tyre_force")
 _OUTLIVE_A_RESET = ("counter", "checksum", "restarts", "restart_cause")
 """Fields by which a receiver sees that messages were lost or that the fit began again: a reset does not rewind them."""
 _HUNG = 20.0

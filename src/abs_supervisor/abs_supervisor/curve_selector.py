@@ -54,6 +54,9 @@ class CurveReport(NamedTuple):
     """Of the fit, counted."""
     of_tyre: bool = False
     """Whether friction is that of the tyre, with the load of each wheel known."""
+    slip: float = nan
+    """Of the wheel at the stamp, by the speed that the curve is of [-]."""
+    slip_stddev: float = nan
 
 
 class CurveSelector:
@@ -67,6 +70,8 @@ class CurveSelector:
         """Forget everything."""
         self._waiting: deque[CurveReport] = deque()
         self._counted = 0
+        self.report: CurveReport | None = None
+        """The newest that counts."""
         self.of_tyre = False
         """Whether friction is that of the tyre: in that of one wheel alone the change of its load is contained."""
         self.forget()
@@ -122,6 +127,7 @@ class CurveSelector:
 
     def _take(self, report: CurveReport, explained: bool) -> bool:
         self.of_tyre, curve = report.of_tyre, report.curve
+        self.report = report
         if report.estimate is Estimate.QUIET:
             self._since = report.stamp
         elif curve is None or report.samples < _FEWEST:

@@ -13,6 +13,7 @@ from abs_supervisor.arbitration import EXPLAINED, Arbitration, Law
 from abs_supervisor.axle import Axle
 from abs_supervisor.brake_model import BrakeModel
 from abs_supervisor.curve_selector import CurveSelector
+from abs_supervisor.curve_speed import CurveSpeed
 from abs_supervisor.intervention import Intervention, Release
 from abs_supervisor.measurements import Measurements
 from abs_supervisor.plausibility import Plausibility
@@ -61,6 +62,7 @@ class WheelSupervisor:
         self.plausibility = Plausibility(corner)
         self.brake = BrakeModel(actuator)
         self.curve = CurveSelector()
+        self.curve_speed = CurveSpeed()
         self.controller = SlipController(corner, actuator, self.brake)
         self.arbitration = Arbitration()
         self.intervention = Intervention(corner, actuator, by_curve)
@@ -70,7 +72,7 @@ class WheelSupervisor:
     def reset(self) -> None:
         """Forget everything."""
         parts = (self.car, self.slip, self.plausibility, self.brake, self.curve)
-        for each in (*parts, self.controller, self.arbitration, self.intervention):
+        for each in (*parts, self.curve_speed, self.controller, self.arbitration, self.intervention):
             each.reset()
         if self._axle is not None:
             self._axle.forget(self._wheel)
@@ -151,6 +153,11 @@ class WheelSupervisor:
             self.controller.forget_disturbance()
         self._shift_load()
         curve = self.curve.curve
+        if curve is None:
+            self.curve_speed.forget()
+        elif self.curve.report is not None:
+            self.curve_speed.take(self.curve.report)
+        measured = self.curve_speed.by_curve(stamp, measured)
         self.controller.observe(stamp, measured, curve)
         known, speed = isfinite(measured.slip + measured.car_speed), measured.car_speed
         if known and braking and curve is not None and speed > TAPER:

@@ -87,6 +87,8 @@ class CurveEstimate(NamedTuple):
     """Why lambda_max and mu_max may not be used together, OK where they may."""
     text: str = ""
     """The same in words."""
+    slip_stddev: float = nan
+    """Standard deviation of the slip [-]; NaN where the method has none."""
     mu_max_known: bool = False
     """Whether mu_max may be used where lambda_max may not."""
 

@@ -1,7 +1,7 @@
 """Requirements of the single-wheel methods on the vehicle file: which values are not exact.
 
-`exact_vehicle` and the methods of the chapter reckon with one wheel and its share of the car, and with torque, mass and
-radius as if they were exact: their intervals hold where that is so, and miss the truth where it is not.
+The methods of the chapter reckon with one wheel and its share of the car, and with torque, mass and radius as if they
+were exact: their intervals hold where that is so, and miss the truth where it is not.
 """
 
 from friction_curve_id.interface import CurveEstimate, CurveEstimator, Refusal, Sample

@@ -11,7 +11,6 @@ from friction_curve_id.chapter.maximum_likelihood import MaximumLikelihood
 from friction_curve_id.chapter.recursive_ls import RecursiveLS
 from friction_curve_id.chapter.recursive_ml import RecursiveML, RecursiveMLWithBatch
 from friction_curve_id.chapter.start_parameters import StartParameters
-from friction_curve_id.exact_vehicle.estimator import ExactVehicleEstimator, ExactVehicleParameters
 from friction_curve_id.interface import CurveEstimator
 from friction_curve_id.known_car import InexactVehicle, not_known
 from friction_curve_id.measurement_noise import MeasurementNoise
@@ -29,11 +28,6 @@ CHAPTER_METHODS: Mapping[str, Callable[[], CurveFit]] = MappingProxyType(
     }
 )
 """Methods of section 8.3 on friction samples."""
-
-
-EXACT_VEHICLE = "exact_vehicle"
-METHODS: tuple[str, ...] = (EXACT_VEHICLE, *CHAPTER_METHODS)
-"""All methods that take wheel speed, brake torque and vehicle speed."""
 
 
 @dataclass(frozen=True)
@@ -62,16 +56,16 @@ def make_estimator(
     """Make the estimator of one wheel. Its curves are valid only where the vehicle is known exactly.
 
     Args:
-        name: one of METHODS.
+        name: one of CHAPTER_METHODS.
         vehicle: the car.
         wheel: name of the wheel.
         gate: which samples are admitted.
         noise: noise of the sensors.
-        source: how a method of the chapter makes its friction samples; exact_vehicle uses none.
-        start: when the fit of a method of the chapter begins.
+        source: how the friction samples are made.
+        start: when the fit begins.
 
     Raises:
-        ValueError: the name is not one of METHODS.
+        ValueError: the name is not one of CHAPTER_METHODS.
     """
     estimator = exact_wheel_estimator(name, vehicle.corner(wheel), gate, noise, source, start)
     unknown = not_known(vehicle)
@@ -87,8 +81,6 @@ def exact_wheel_estimator(
     start: StartParameters = _START,
 ) -> CurveEstimator:
     """Make the estimator of a wheel that is known exactly, as in a simulation; arguments as for make_estimator."""
-    if name == EXACT_VEHICLE:
-        return ExactVehicleEstimator(wheel, ExactVehicleParameters(gate=gate, noise=noise))
     if name not in CHAPTER_METHODS:
-        raise ValueError(f"unknown method '{name}': one of {', '.join(METHODS)}")
+        raise ValueError(f"unknown method '{name}': one of {', '.join(CHAPTER_METHODS)}")
     return WheelFitting(FrictionSamples(wheel, source, gate, noise), CHAPTER_METHODS[name](), start)

@@ -7,9 +7,8 @@ from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.chapter.tyre_force import TyreForceParameters
 from friction_curve_id.interface import CurveEstimator
-from friction_curve_id.known_car import not_known
 from friction_curve_id.measurement_noise import MeasurementNoise
-from friction_curve_id.methods import CHAPTER_METHODS, EXACT_VEHICLE, METHODS, ChapterParameters, make_estimator
+from friction_curve_id.methods import CHAPTER_METHODS, ChapterParameters, make_estimator
 from friction_curve_id.sample_gate import GateParameters
 from friction_curve_id.vehicle.vehicle_samples import WholeVehicleParameters
 from friction_parameters.generated import ShippedFile
@@ -29,8 +28,8 @@ class FrictionCurveParameters:
     vehicle_file: str = vehicle_file_parameter()
     method: str = parameter(
         AUTO,
-        "identification method; auto: car, or exact_vehicle where the vehicle file is exact",
-        choices=(AUTO, *METHODS, CAR, VEHICLE, TYRE_FORCE),
+        "identification method; auto: car, or vehicle on a drive without brake pressures",
+        choices=(AUTO, CAR, VEHICLE, *CHAPTER_METHODS, TYRE_FORCE),
     )
     speed_source: str = parameter(
         SLIP,
@@ -42,8 +41,8 @@ class FrictionCurveParameters:
     )
     highest_mu: float = constant(HIGHEST_MU, "a larger mu_max is never valid")
     deadline: float = deadline_parameter()
-    gate: GateParameters = group(GateParameters(), selector="method", methods=(AUTO, *METHODS))
-    noise: MeasurementNoise = group(MeasurementNoise(), selector="method", methods=(AUTO, *METHODS))
+    gate: GateParameters = group(GateParameters(), selector="method", methods=tuple(CHAPTER_METHODS))
+    noise: MeasurementNoise = group(MeasurementNoise(), selector="method", methods=tuple(CHAPTER_METHODS))
     chapter: ChapterParameters = group(ChapterParameters(), selector="method", methods=tuple(CHAPTER_METHODS))
     car: CarEstimatorParameters = group(CarEstimatorParameters(), selector="method", methods=(AUTO, CAR))
     vehicle: WholeVehicleParameters = group(WholeVehicleParameters(), selector="method", methods=(VEHICLE,))
@@ -59,14 +58,8 @@ class FrictionCurveParameters:
         is_open = self.method == AUTO and self.speed_source != NO_SPEED
         return replace(self, method=VEHICLE) if is_open else self
 
-    def serving(self, vehicle: Vehicle) -> "FrictionCurveParameters":
-        """Return the parameters with the method that AUTO stands for on this car."""
-        if self.method != AUTO:
-            return self
-        return replace(self, method=CAR if not_known(vehicle) else EXACT_VEHICLE)
-
     def estimator(self, vehicle: Vehicle, wheel: str) -> CurveEstimator:
-        """Make the estimator of one wheel by the method, one of METHODS."""
+        """Make the estimator of one wheel by the method, one of CHAPTER_METHODS."""
         source = FrictionSource(self.chapter.friction_source)
         return make_estimator(self.method, vehicle, wheel, self.gate, self.noise, source, self.chapter)
 

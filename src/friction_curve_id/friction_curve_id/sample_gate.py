@@ -35,10 +35,6 @@ class SampleGate:
         refusal = self._refuse_values(sample)
         return self._order.admit(sample.time) if refusal is None else refusal
 
-    def pass_over(self, time: float) -> None:
-        """Take note of a sample at `time` [s] that must not enter, and is no gap in what comes after it."""
-        self._order.admit(time)
-
     def _refuse_values(self, sample: Sample) -> Refusal | None:
         speed, torque = sample.vehicle_speed, sample.brake_torque
         if torque is None:

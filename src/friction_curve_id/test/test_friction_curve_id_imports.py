@@ -13,7 +13,7 @@ PACKAGE = Path(friction_curve_id.__file__).parent
 MODULES = {".".join(path.relative_to(PACKAGE).with_suffix("").parts): path for path in PACKAGE.glob("**/*.py")}
 
 INTERFACE = {"interface", "measurement_noise", "sample_gate", "stamp_order"}
-METHODS = {"car", "chapter", "exact_vehicle", "vehicle"}
+METHODS = {"car", "chapter", "vehicle"}
 CHOICE = {"methods", "parameters"}
 ROS_LAYER = {"ros", "__main__"}
 

@@ -1,5 +1,6 @@
 """A road that changes within a braking: the curve begins anew, what is known of the car stays."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -90,6 +91,12 @@ def test_an_error_of_the_car_a_sensor_that_fails_or_a_split_road_is_none(share: 
     assert found(from_node(30, share)) is None
 
 
+def test_a_wheel_alone_is_the_axle_of_a_single_corner() -> None:
+    corner = CarConstants(load_vehicle("chapter_corner"), (0,))
+    road = axle_on_new_road(corner, TIME, from_node(34, 0.15)[:1], FITTED[:1], TOLD[:1])
+    assert road is not None and road.since == TIME[34]
+
+
 def test_a_bump_is_none() -> None:
     assert found(from_node(38, 0.4)) is None
 
@@ -161,6 +168,34 @@ def test_the_curve_of_another_road_is_found_within_the_braking(seed: int) -> Non
         and abs(each.lambda_max - lambda_max) < 1.96 * each.lambda_max_stddev
         for _, each in valid
     ]
+    assert np.mean(right) > 0.9
+
+
+@pytest.mark.parametrize("roads", [("snow", "wet"), ("wet", "dry")])
+def test_the_curve_of_a_road_that_grips_better_is_found_within_the_braking(roads: tuple[str, str]) -> None:
+    """Before, nothing was valid until the next braking."""
+    old, new = (TYRES["burckhardt"][road] for road in roads)
+    right = []
+    for seed in (98_004, 98_006):
+        car = random_car(seed, roads[0], "burckhardt")
+        parameters, begin = replace(car.parameters, slope=0.0), car.cycling.start + 1.5
+
+        def around(time: float, moved: Car, begin: float = begin) -> Surroundings:
+            moved.tyres = [new if time > begin + 0.1 * (wheel > 1) else old for wheel in range(4)]
+            return Surroundings()
+
+        run = record(parameters, SlipCycle(parameters, car.cycling), seed, duration=4.0, surroundings=around)
+        estimates = [
+            (time, each) for time, each in zip(run.time, answers(run), strict=True) if isinstance(each, CurveEstimate)
+        ]
+        anew = [time for time, each in estimates if each.restart_cause is RestartCause.SURFACE]
+        assert anew and begin < anew[0] < begin + 0.4
+        right += [
+            abs(each.mu_max - new.peak[1]) < 1.96 * each.mu_max_stddev
+            for time, each in estimates
+            if each.valid and time > anew[0]
+        ]
+    assert len(right) > 50
     assert np.mean(right) > 0.9
 
 

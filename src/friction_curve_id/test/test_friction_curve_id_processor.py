@@ -97,7 +97,7 @@ def drive_debug(made: CurveProcessor, stream: Stream) -> list[FrictionCurveDebug
     return outputs(made, stream, FrictionCurveDebug)
 
 
-METHODS = ("exact_vehicle", "ml", "rml", "rml_ml", "ls", "rls")
+METHODS = ("ml", "rml", "rml_ml", "ls", "rls")
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -456,17 +456,10 @@ def test_a_changed_parameter_makes_processors_on_the_same_topics() -> None:
     assert topics({}) == topics({"chapter.friction_source": "slip_equation", "gate.minimum_speed": 4.0})
 
 
-def test_a_car_that_is_not_known_exactly_gets_the_method_that_counts_it() -> None:
-    rigid = replace(CAR, centre_of_gravity_height=0.0)
-    for vehicle, method in (
-        (CORNER, "exact_vehicle"),
-        (exact(rigid), "exact_vehicle"),
-        (exact(CAR), "car"),  # braking moves its load
-        (rigid, "car"),  # says nothing of its deviations
-        (load_vehicle("compact_car"), "car"),
-    ):
-        assert FrictionCurveParameters().serving(vehicle).method == method
-        assert isinstance(build(FrictionCurveParameters(), vehicle)[0], CarProcessor) is (method == "car")
+def test_every_car_gets_the_method_that_counts_what_is_not_known_of_it() -> None:
+    for vehicle in (CORNER, exact(CAR), load_vehicle("compact_car")):
+        (made,) = build(FrictionCurveParameters(), vehicle)
+        assert isinstance(made, CarProcessor)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -485,7 +478,7 @@ def test_a_wheel_method_is_never_valid_on_a_car_that_is_not_known_exactly(method
 
 @pytest.mark.parametrize(("factor", "named"), [(1e-5, "in bar"), (1e5, "converted from bar")])
 def test_a_pressure_in_another_unit_is_named_and_gives_no_curve(clean: Brake, factor: float, named: str) -> None:
-    (processor,) = build(FrictionCurveParameters(method="exact_vehicle"), CORNER)
+    (processor,) = build(FrictionCurveParameters(method="ml"), CORNER)
     curves = []
     for topic, message in braking(clean):
         if isinstance(message, FluidPressure):

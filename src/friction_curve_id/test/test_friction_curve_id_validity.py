@@ -10,21 +10,20 @@ from vehicle_models.reason import Reason
 
 
 @pytest.mark.parametrize(
-    ("samples", "slips", "lambda_max", "stddev", "reason"),
+    ("slips", "lambda_max", "stddev", "reason"),
     [
-        (20, (0.0, 0.2), 0.1, 0.01, Reason.OK),
-        (19, (0.0, 0.2), nan, nan, Reason.NOT_READY),
-        (20, (0.0, 0.2), nan, nan, Reason.NO_PEAK),
-        (20, (0.0, 0.09), 0.1, nan, Reason.PEAK_NOT_PASSED),
-        (20, (0.11, 0.2), 0.1, 0.0, Reason.UNCERTAIN),
-        (20, (0.0, 0.2), 0.1, 0.011, Reason.UNCERTAIN),
-        (20, (0.0, 0.2), 0.1, nan, Reason.UNCERTAIN),
+        ((0.0, 0.2), 0.1, 0.01, Reason.OK),
+        ((0.0, 0.2), nan, nan, Reason.NO_PEAK),
+        ((0.0, 0.09), 0.1, nan, Reason.PEAK_NOT_PASSED),
+        ((0.11, 0.2), 0.1, 0.0, Reason.UNCERTAIN),
+        ((0.0, 0.2), 0.1, 0.011, Reason.UNCERTAIN),
+        ((0.0, 0.2), 0.1, nan, Reason.UNCERTAIN),
     ],
 )
-def test_a_peak_is_valid_where_enough_samples_passed_it_and_it_is_known_well(
-    samples: int, slips: tuple[float, float], lambda_max: float, stddev: float, reason: Reason
+def test_a_peak_is_valid_where_samples_passed_it_and_it_is_known_well(
+    slips: tuple[float, float], lambda_max: float, stddev: float, reason: Reason
 ) -> None:
-    found, text = ValidityLimits(min_samples=20).judge(samples, slips, lambda_max, stddev)
+    found, text = ValidityLimits().judge(slips, lambda_max, stddev)
     assert found is reason and (text == "") == (reason is Reason.OK)
 
 

@@ -12,7 +12,7 @@ from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.driving import Cycling, SlipCycle
 from corner_sim.car.recording import Recording, record
 from friction_curve_id.interface import CurveEstimate
-from friction_curve_id.methods import METHODS, exact_wheel_estimator, make_estimator
+from friction_curve_id.methods import CHAPTER_METHODS, exact_wheel_estimator, make_estimator
 from vehicle_models import burckhardt
 from vehicle_models.reason import Reason
 from vehicle_models.surfaces import surface
@@ -36,7 +36,7 @@ def stop(seed: int) -> Recording:
     return record(WEAK_BRAKES, SlipCycle(WEAK_BRAKES, Cycling()), seed, duration=2.4)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", CHAPTER_METHODS)
 def test_no_method_of_one_wheel_is_valid(method: str, noisy: Callable[..., Any]) -> None:
     """With an exact vehicle file each of them is, and misses."""
     corner = load_vehicle("chapter_corner")

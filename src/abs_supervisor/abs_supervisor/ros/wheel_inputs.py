@@ -180,6 +180,8 @@ def curve_report(message: FrictionCurve) -> CurveReport:
         message.samples,
         message.restarts,
         message.method == _OF_THE_TYRE,
+        message.slip,
+        message.slip_stddev,
     )
 
 

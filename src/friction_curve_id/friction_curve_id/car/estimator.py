@@ -32,7 +32,7 @@ from friction_curve_id.car.gain_over_mass import GainOverMassLearner
 from friction_curve_id.car.lateral_motion import LateralMotion
 from friction_curve_id.car.new_road import NewRoad, axle_on_new_road, friction_there, silenced, told_of_roads
 from friction_curve_id.car.node_signals import Start, delayed, node_signals
-from friction_curve_id.car.one_road import RoadWatch, misfit_at_peak, used_and_fitted
+from friction_curve_id.car.one_road import LASTING, NEWEST, RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.passing import Passing
 from friction_curve_id.car.present_slip import present_slip
@@ -90,6 +90,8 @@ _MOST_UNMEASURED = 0.03
 """Share of the friction along the wheels that a curve may take where nothing measures the motion across."""
 _LEAST_WHEEL_STDDEV = 0.01
 """Least noise of a wheel speed [rad/s]."""
+_BETWEEN_ROADS = 1.0
+"""Deviation of ln lambda_max and ln mu_max while the newest friction is that of another road."""
 _SETTLED = 0.1
 """Step of ln lambda_max and ln mu_max below which a fit has settled."""
 
@@ -410,7 +412,7 @@ class CarEstimator:
                 # What led the fits astray is that of the car, and may lead them there again.
                 self._astray.forgot = not calm
                 return
-        if not calm:
+        if not (calm or self._road_watch.changes):  # another road may be what led the fits astray
             return
         comparable &= shown
         used, fitted = used * comparable, fitted * comparable
@@ -419,6 +421,9 @@ class CarEstimator:
         self._two_roads = self._road_watch.update(used, fitted, self._car.left, nodes.time, misfit, sides)
         if not isnan(misfit):
             self._misfit = misfit
+        if self._road_watch.changed:
+            every, since = np.ones(len(self._present), dtype=np.bool_), float(nodes.time[-1]) - NEWEST
+            self._begin_anew(nodes, NewRoad(every, since - LASTING, since), used, fit)
 
     def _begin_anew(self, nodes: Nodes, road: NewRoad, used: Array, fit: CurveFit) -> None:
         """Begin the curve anew on another road, from where it is seen; what is known of the car stays.
@@ -446,7 +451,7 @@ class CarEstimator:
         if peak is None:
             text = "waiting for the first fit of this braking"
             return [CurveEstimate(count, nan, restart_cause=cause, text=text)] * len(self._index)
-        slips, beyond = self._slips(time, speed, peak)
+        slips, slip_stddevs, beyond = self._slips(time, speed, peak)
         reason, text = self._reason(time, peak)
         passed = reason is Reason.OK
         if passed:
@@ -460,9 +465,10 @@ class CarEstimator:
         curve = curve_values(self._families[best], peak.log_lambda_max, shape, slips / lambda_max)
         mu, slope = mu_max * curve.value, mu_max / lambda_max * curve.slope
         of_lambda, of_mu = 0.0, np.zeros(len(self._index))
+        between = _BETWEEN_ROADS if self._road_watch.changes else 0.0
         if len(self._fits) > 1:  # with one formula given, the tyres are given to be of it
             of_lambda, of_mu = LAMBDA_MAX, mu_max_deviations(self._fits[best].moved, self._fits[best].tyres)
-        log_mu_stddev = hypot(peak.log_mu_stddev, self._misfit, UNRESOLVED_HEIGHT * self._unresolved)
+        log_mu_stddev = hypot(peak.log_mu_stddev, self._misfit, UNRESOLVED_HEIGHT * self._unresolved, between)
         mu_stddevs = [reaching_up(hypot(log_mu_stddev, float(each))) for each in of_mu]
         theta = UNKNOWN_THETA
         if self._families[best] is Family.BURCKHARDT:
@@ -473,7 +479,7 @@ class CarEstimator:
                 float(slips[each]),
                 lambda_max,
                 mu_max,
-                lambda_max * hypot(peak.log_lambda_stddev, self._unresolved, of_lambda),
+                lambda_max * hypot(peak.log_lambda_stddev, self._unresolved, of_lambda, between),
                 mu_max * mu_stddevs[each],
                 theta,
                 mu=float(mu[each]),
@@ -482,15 +488,16 @@ class CarEstimator:
                 restart_cause=cause,
                 reason=reason,
                 text=text,
+                slip_stddev=float(slip_stddevs[each]),
                 mu_max_known=passed and mu_stddevs[each] < _LARGEST_STDDEV,
             )
             for each in range(len(self._index))
         ]
 
-    def _slips(self, time: float, speed: Array, peak: Peak) -> tuple[Array, list[float]]:
-        """Present slips, and the probabilities that they are beyond the peak."""
+    def _slips(self, time: float, speed: Array, peak: Peak) -> tuple[Array, Array, list[float]]:
+        """Present slips with their deviations, and the probabilities that they are beyond the peak."""
         wheels = len(self._index)
-        mean = np.zeros(wheels)
+        mean, square = np.zeros(wheels), np.zeros(wheels)
         beyond = [0.0] * wheels
         seen = self._passing.in_window
         factor, floor = doubt(seen, len(self._fits) == 1)
@@ -500,13 +507,14 @@ class CarEstimator:
         changed = float(self._samples.speed_change[-1]) + self._gained
         yaw_rate = float(self._samples.yaw_rate[-1])
         for weight, fit, (since, changed_then) in zip(peak.weights, self._fits, self._newest, strict=True):
-            slip, probability = present_slip(
+            slip, variance, probability = present_slip(
                 self._car, fit, time - since, changed - changed_then, speed, yaw_rate, factor, floor
             )
             mean += weight * slip
+            square += weight * (slip**2 + variance)
             for each in range(wheels):
                 beyond[each] += weight * probability[each]
-        return mean, beyond
+        return mean, np.sqrt(np.maximum(square - mean**2, 0.0)), beyond
 
     def _reason(self, time: float, peak: Peak) -> tuple[Reason, str]:
         """Return why neither lambda_max nor mu_max may be used, OK where one of them may."""

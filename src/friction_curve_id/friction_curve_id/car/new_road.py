@@ -85,7 +85,7 @@ def axle_on_new_road(
     for front in (1.0, 0.0):
         wheels = car.front[:, 0] == front
         found = [_change(time, used[each], fitted[each], told[each]) for each in np.flatnonzero(wheels)]
-        if len(found) > 1 and all(isfinite(since) for _, since in found):
+        if len(found) > (1 if wheels.size > 1 else 0) and all(isfinite(since) for _, since in found):
             return NewRoad(wheels, min(known for known, _ in found), min(since for _, since in found))
     return None
 

@@ -27,7 +27,7 @@ STILL_CHANGED = 0.04
 """The same once it has been more: the curve itself goes over to the new road, which makes the change look smaller."""
 MOST_DIFFERENT, STILL_DIFFERENT = 9.0, 4.0
 """chi^2 of one degree of freedom that the sides of the car are not on one road, and once it has been more."""
-_LASTING, _STEP = 0.07, 0.02
+LASTING, _STEP = 0.07, 0.02
 """Time with more than that after which it is no bump, and the longest of it that a step of the fits stands for [s]."""
 _LEAST_TIME = 0.1
 """Least time of what it is compared with [s], of all wheels together."""
@@ -131,7 +131,10 @@ def _log_ratio(used: Array, fitted: Array, time: Array, least_time: float = _LEA
 
 
 class RoadWatch:
-    """Says whether the wheels are on one road; what has lasted counts until the end of the braking.
+    """Says whether the wheels are on one road.
+
+    That the sides of the car are on different ones counts until the end of the braking once it has lasted; where the
+    road has changed, the curve begins anew.
 
     While nothing is told of the newest friction, as between two rises of the pressure, what was found before holds.
     """
@@ -141,6 +144,10 @@ class RoadWatch:
         self._updated, self._lasted = -inf, 0.0
         self._changed = self._different = self._misfits = False
         self._lasting = ""
+        self.changed = False
+        """Whether another road has lasted: the curve is to begin anew."""
+        self.changes = False
+        """Whether the newest friction is not that of the curve: the curve is of neither road."""
 
     def update(self, used: Array, fitted: Array, left: Array, time: Array, misfit: float, deviations: Array) -> str:
         """Return what speaks against one road, empty where nothing does. Arguments as above, after a step of a fit.
@@ -160,15 +167,17 @@ class RoadWatch:
         if self._different:
             found = "the sides of the car are on different roads: waiting for one road"
         elif self._changed:
-            found = "the road has changed in this braking: waiting for the next"
+            found = "the road has changed: the curve begins anew"
+        self.changes = self._changed and not self._different
         since = min(float(time[-1]) - self._updated, _STEP)
         self._updated = float(time[-1])
         if not found:
             self._lasted = 0.0
         elif change_shows or (difference_shows and not isnan(change)):
             self._lasted += since
-        if self._lasted >= _LASTING:
-            self._lasting = found
+        if self._lasted >= LASTING:
+            self._lasting = found if self._different else ""
+            self.changed = not self._different
         if not found and self._misfits:
             found = "waiting for the curve to follow the newest friction near the peak"
         return self._lasting or found

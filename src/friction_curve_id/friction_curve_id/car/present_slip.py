@@ -22,8 +22,8 @@ def present_slip(
     yaw_rate: float,
     factor: float,
     floor: float,
-) -> tuple[Array, list[float]]:
-    """Return the slip of each wheel [-], shape (W,), and the probability that it is beyond the peak.
+) -> tuple[Array, Array, list[float]]:
+    """Return the slip of each wheel [-] and its variance, shapes (W,), and the probability that it is beyond the peak.
 
     Lateral slips are those of the last node.
 
@@ -52,14 +52,19 @@ def present_slip(
     limit = exp(p[Unknown.LOG_LAMBDA_MAX])
     rows = np.zeros((wheels, p.size))
     rows[:, SPEED_UNKNOWNS] = np.outer(rolling / ground, moved.speed_gradient[:, -1])
-    rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
     rows[:, Unknown.CURVE] = car.left[:, 0]
     rows[:, Unknown.CURVE_RATE] = car.left[:, 0] * time
     rows[range(wheels), SHARED + np.arange(wheels)] = 1.0
+    of_slip = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows)
+    rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
     across_variance: Array | float = 0.0
     if fit.tyres.across is not None:
         across, stddev = fit.tyres.across[:, -1], np.broadcast_to(fit.tyres.across_stddev, moved.slip.shape)[:, -1]
         slip, relaxed = np.hypot(slip, across), np.hypot(relaxed, across)
         across_variance = (stddev * across / np.maximum(relaxed, 1e-6)) ** 2
     variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2 + across_variance
-    return slip, [normal_probability(float((relaxed[each] - limit) / sqrt(variance[each]))) for each in range(wheels)]
+    return (
+        slip,
+        of_slip,
+        [normal_probability(float((relaxed[each] - limit) / sqrt(variance[each]))) for each in range(wheels)],
+    )

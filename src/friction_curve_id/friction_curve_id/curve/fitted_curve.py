@@ -89,7 +89,7 @@ class FittedCurve:
                 lambda_stddev = stddev(m.slope_gradient(p, peak)) / -curvature
         slope = m.slope(p, slip)
         slope_stddev = stddev(m.slope_gradient(p, slip))
-        reason, text = limits.judge(samples, (0.0, largest_slip), peak, lambda_stddev)
+        reason, text = limits.judge((0.0, largest_slip), peak, lambda_stddev)
         theta = m.theta(p)
         return CurveEstimate(
             samples=samples,

@@ -10,24 +10,17 @@ from vehicle_models.reason import Reason
 class ValidityLimits:
     """Limits within which lambda_max and mu_max may be used."""
 
-    min_samples: int = 0
-    """Least samples in the fit; 0 for a method that waits for its samples before it fits."""
     max_relative_stddev: float = 0.1
     """Largest relative standard deviation of lambda_max [-], > 0."""
 
-    def judge(
-        self, samples: int, slip_span: tuple[float, float], lambda_max: float, stddev: float
-    ) -> tuple[Reason, str]:
+    def judge(self, slip_span: tuple[float, float], lambda_max: float, stddev: float) -> tuple[Reason, str]:
         """Return why the peak may not be used, OK if it may, and the same in words.
 
         Args:
-            samples: number of samples in the fit.
             slip_span: smallest and largest slip in the fit [-]. The smallest is 0 for a method that starts from there.
             lambda_max: estimate of the slip at the peak [-], NaN for no peak.
             stddev: standard deviation of lambda_max [-], NaN where it is unknown.
         """
-        if samples < self.min_samples:
-            return Reason.NOT_READY, f"waiting for {self.min_samples} samples: there are {samples}"
         if not isfinite(lambda_max):
             return Reason.NO_PEAK, "the fitted curve has no peak in (0, 1)"
         smallest, largest = slip_span

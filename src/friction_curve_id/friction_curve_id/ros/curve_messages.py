@@ -117,6 +117,7 @@ def _set_curve(message: FrictionCurve, estimate: CurveEstimate) -> None:
     message.mu_max = estimate.mu_max
     message.lambda_max_stddev = estimate.lambda_max_stddev
     message.mu_max_stddev = estimate.mu_max_stddev
+    message.slip_stddev = estimate.slip_stddev
     message.mu = estimate.mu
     message.slope = estimate.slope
     message.slope_stddev = estimate.slope_stddev

@@ -6,7 +6,7 @@ from typing import Any
 from friction_msgs.msg import FrictionCurve, WheelSlip
 
 from friction_curve_id.interface import RestartCause
-from friction_curve_id.parameters import CAR, TYRE_FORCE, VEHICLE, FrictionCurveParameters
+from friction_curve_id.parameters import AUTO, CAR, TYRE_FORCE, VEHICLE, FrictionCurveParameters
 from friction_curve_id.ros.car_processor import CarProcessor
 from friction_curve_id.ros.curve_messages import CurveMessages, health_of
 from friction_curve_id.ros.inputs import CurveInputs
@@ -103,8 +103,7 @@ def build(
     parameters: FrictionCurveParameters, vehicle: Vehicle, report: Report = silent
 ) -> list[CurveProcessor] | list[CarProcessor]:
     """Make the processors: one for each wheel of the car, or a single one for the methods 'car' and 'vehicle'."""
-    parameters = parameters.serving(vehicle)
-    if parameters.method == CAR:
+    if parameters.method in (AUTO, CAR):
         return [CarProcessor(vehicle, parameters, report)]
     if parameters.method == VEHICLE:
         inputs = VehicleInputs(vehicle, parameters, report)

@@ -1,1 +1,0 @@
-"""Method `exact_vehicle`: a full-information maximum a posteriori fit to the signals of one wheel."""
