@@ -19,8 +19,8 @@ RATIO_TIME: Final = 0.1
 """[s] over which the ratio of the two speeds is meant: what is shorter is the delay of one of them."""
 LARGEST_SLIP: Final = 0.5
 """[-] beyond which the two are not compared: a wheel that dives has another slip each millisecond."""
-_KEPT: Final = 40
-"""Samples for which a slip is kept: curves come for stamps that are up to 0.1 s old."""
+_KEPT: Final = round(0.25 * NANOSECONDS)
+"""[ns] for which a slip is kept: curves count 0.05 s after their stamp, or later."""
 
 
 class CurveSpeed:
@@ -32,7 +32,7 @@ class CurveSpeed:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._slips: deque[tuple[int, float]] = deque(maxlen=_KEPT)
+        self._slips: deque[tuple[int, float]] = deque()
         self.forget()
 
     def forget(self) -> None:
@@ -51,6 +51,8 @@ class CurveSpeed:
     def by_curve(self, stamp: int, measured: Measurements) -> Measurements:
         """Return the measurements at a stamp [ns] with slip and speed of the car joined with those of the curve."""
         self._slips.append((stamp, measured.slip))
+        while stamp - self._slips[0][0] > _KEPT:
+            self._slips.popleft()
         variance = measured.slip_stddev**2
         if not isfinite(variance):
             return measured
