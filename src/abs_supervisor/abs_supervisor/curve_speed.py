@@ -43,7 +43,11 @@ class CurveSpeed:
         """Take the slip that came with a curve, where it has a deviation."""
         stamp, slip, stddev = report.stamp, report.slip, report.slip_stddev
         measured = next((each for at, each in self._slips if at == stamp), nan)
-        if stamp > self._compared and isfinite(measured + slip + stddev) and max(measured, slip) < LARGEST_SLIP:
+        if (
+            stamp > self._compared
+            and isfinite(measured + slip + stddev)
+            and max(abs(measured), abs(slip)) < LARGEST_SLIP
+        ):
             weight = min((stamp - self._compared) / (RATIO_TIME * NANOSECONDS), 1.0)
             self._ratio += weight * ((1.0 - measured) / (1.0 - slip) - self._ratio)
             self._variance, self._compared = stddev**2 + CURVE_SLIP**2, stamp
