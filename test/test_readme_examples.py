@@ -51,7 +51,9 @@ def test_wheel_slip() -> None:
 def test_friction_grip() -> None:
     run = stop()
     stamps = [round(time * SECOND) + SECOND for time in run.time]
-    rows = zip(stamps, run.speed, run.acceleration, [nan] * run.time.size, [[nan] * 4] * run.time.size, strict=True)
+    unknown = [nan] * run.time.size
+    torques = [[nan] * 4] * run.time.size
+    rows = zip(stamps, run.speed, run.acceleration, unknown, unknown, torques, run.wheel_speed, strict=True)
     found = printed("friction_grip", samples=rows)
     assert len(found) > 20
     _, used, _, stddev = found[-1].split()

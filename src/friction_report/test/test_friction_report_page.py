@@ -93,7 +93,7 @@ def test_every_topic_of_the_bag_is_drawn_or_named(stop: str) -> None:
     assert data["not_drawn"] == ["/front_left/friction_curve_debug", "/imu/data"]
     drawn = {line["label"] for line in data["lines"]}
     assert {"front_left, ω r", "car, estimated", "car, speed sensor", "car, true"} <= drawn
-    not_in_bag = {"mu_proven", "mu_lower", "wheel_grip"}
+    not_in_bag = {"mu_proven", "mu_lower"}
     assert {panel["key"] for panel in data["panels"]} == {panel.key for panel in PANELS} - not_in_bag
     assert {(strip["panel"], strip["group"]) for strip in data["strips"]} >= {
         *(("sign", group) for group in ("estimated", "true")),
@@ -189,9 +189,13 @@ def test_braking_of_a_stop_is_a_row_with_its_numbers(stop: str) -> None:
         np.max(read_run(BAGS / "abs_stop").series["truth/front_left/slip"]["slip"]), 0.1
     )
     (part,) = row["parts"]
+    curve = read_run(BAGS / "abs_stop").series["front_left/friction_curve"]
+    last = np.flatnonzero((curve["valid"] > 0.0) & (curve.time < row["end"]))[-1]
     for name, true in (("lambda_max", 0.17), ("mu_max", 1.17)):
         value, reach = part[name]
-        assert abs(value - true) < 2.0 * reach < 0.05
+        assert value == pytest.approx(curve[name][last], abs=1e-4)
+        assert reach == pytest.approx(1.96 * curve[f"{name}_stddev"][last], abs=1e-4)
+        assert abs(value - true) < reach
 
 
 @pytest.mark.parametrize("bag", ["dry", "tyre_dynamic_2_0_bar"])

@@ -514,7 +514,8 @@ class CarEstimator:
             square += weight * (slip**2 + variance)
             for each in range(wheels):
                 beyond[each] += weight * probability[each]
-        return mean, np.sqrt(np.maximum(square - mean**2, 0.0)), beyond
+        # a sum of weights may be more than 1 in its last bit
+        return mean, np.sqrt(np.maximum(square - mean**2, 0.0)), [min(each, 1.0) for each in beyond]
 
     def _reason(self, time: float, peak: Peak) -> tuple[Reason, str]:
         """Return why neither lambda_max nor mu_max may be used, OK where one of them may."""

@@ -65,8 +65,8 @@ class GripProcessor(AlignedProcessor[Speeds]):
         self._grips = tuple(f"{name}/grip" for name in self._names)
         self.outputs: Mapping[str, type] = {GRIP: Grip, **dict.fromkeys(self._grips, WheelGrip)}
         others = (*self._brakes, *self.estimates)
-        aligned = [AlignedInput(topic) for topic in (IMU, *self._brakes)]
-        aligned += [AlignedInput(topic, optional=True) for topic in (*self._curves, VEHICLE_SPEED)]
+        aligned = [AlignedInput(topic) for topic in (IMU, *self._brakes, VEHICLE_SPEED)]
+        aligned += [AlignedInput(topic, optional=True) for topic in self._curves]
         aligned += [AlignedInput(topic, _REVOLUTION, optional=True) for topic in self._forces]
         super().__init__("vehicle", Primary(WHEEL_STATES, "vehicle", report), aligned, parameters.deadline, others)
         self._used = FrictionUsed(vehicle)
