@@ -60,9 +60,6 @@ class CurveSpeed:
         variance = measured.slip_stddev**2
         if not isfinite(variance):
             return measured
-        apart = (1.0 - measured.slip) * (1.0 - 1.0 / self._ratio)
-        # where the two contradict each other, what is stated of the curve's was too little
-        of_curve = self._variance * max(1.0, apart * apart / (variance + self._variance))
-        ratio = 1.0 + (self._ratio - 1.0) * variance / (variance + of_curve)
+        ratio = 1.0 + (self._ratio - 1.0) * variance / (variance + self._variance)
         slip = 1.0 - (1.0 - measured.slip) / ratio
         return measured._replace(slip=slip, car_speed=measured.car_speed * ratio)
