@@ -61,6 +61,8 @@ class Told:
     mu_max: Array
     since: Array
     speed: Array
+    travelled: Array
+    """By the truth [m]."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -89,16 +91,16 @@ def _drive_and_tell(job: tuple[int, float]) -> dict[str, Told]:
     driven = drive(seed, seconds, (1.0, 0.5, 1.6)[seed % 3])
     vehicle = load_vehicle("compact_car")
     speed = _speeds(driven, vehicle)
-    found = _used_over(driven, speed, vehicle)
+    found = used_over(driven, speed, vehicle)
     told = {name: tell(driven, speed, found, belief) for name, belief in BELIEFS.items()}
     error = float(np.random.default_rng([seed, 12]).normal(0.0, _CALIBRATED))
     deviations = {**vehicle.accelerometer.deviations, "bias": Deviation(_CALIBRATED, SharedBy.ALL)}
     known = replace(vehicle.accelerometer, bias=driven.bias + error, deviations=deviations)
-    of_known = _used_over(driven, speed, replace(vehicle, accelerometer=known))
+    of_known = used_over(driven, speed, replace(vehicle, accelerometer=known))
     return told | {_KNOWN_BIAS: tell(driven, speed, of_known, BELIEFS[_RIGHT])}
 
 
-def _used_over(driven: GripDrive, speeds: Array, vehicle: Vehicle) -> list[GripInUse | None]:
+def used_over(driven: GripDrive, speeds: Array, vehicle: Vehicle) -> list[GripInUse | None]:
     """Return the friction in use at each sample, where it is due."""
     used, gains = FrictionUsed(vehicle), np.array([wheel.brake_gain for wheel in vehicle.wheels])
     found = []
@@ -157,6 +159,7 @@ def tell(
                 float(driven.mu_max[k]),
                 float(driven.since[k]),
                 float(driven.speed[k]),
+                float(travelled[k]),
             ]
         )
         roads.append(driven.road[k])

@@ -72,8 +72,6 @@ class CurveSelector:
         self._counted = 0
         self.report: CurveReport | None = None
         """The newest that counts."""
-        self.of_tyre = False
-        """Whether friction is that of the tyre: in that of one wheel alone the change of its load is contained."""
         self.forget()
 
     def forget(self) -> None:
@@ -86,6 +84,11 @@ class CurveSelector:
         self._valid = False
         self._uncertainty = 0.0
         self._since = 0
+
+    @property
+    def of_tyre(self) -> bool:
+        """Whether friction is that of the tyre: in that of one wheel alone the change of its load is contained."""
+        return self.report is not None and self.report.of_tyre
 
     @property
     def lambda_max(self) -> float:
@@ -126,8 +129,7 @@ class CurveSelector:
         return changed
 
     def _take(self, report: CurveReport, explained: bool) -> bool:
-        self.of_tyre, curve = report.of_tyre, report.curve
-        self.report = report
+        self.report, curve = report, report.curve
         if report.estimate is Estimate.QUIET:
             self._since = report.stamp
         elif curve is None or report.samples < _FEWEST:

@@ -42,12 +42,10 @@ class CurveSpeed:
     def take(self, report: CurveReport) -> None:
         """Take the slip that came with a curve, where it has a deviation."""
         stamp, slip, stddev = report.stamp, report.slip, report.slip_stddev
+        if stamp <= self._compared:  # most samples come between two curves
+            return
         measured = next((each for at, each in self._slips if at == stamp), nan)
-        if (
-            stamp > self._compared
-            and isfinite(measured + slip + stddev)
-            and max(abs(measured), abs(slip)) < LARGEST_SLIP
-        ):
+        if isfinite(measured + slip + stddev) and max(abs(measured), abs(slip)) < LARGEST_SLIP:
             weight = min((stamp - self._compared) / (RATIO_TIME * NANOSECONDS), 1.0)
             self._ratio += weight * ((1.0 - measured) / (1.0 - slip) - self._ratio)
             self._variance, self._compared = stddev**2 + CURVE_SLIP**2, stamp

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
-from friction_bags.results.places import FIXES, NO_FIX, Places
+from friction_bags.results.places import FIXES, Places, places_of
 from friction_fleet.cells import cells_of
 from friction_runtime.installed import message_class
 from friction_runtime.messages import to_nanoseconds
@@ -33,7 +33,8 @@ def read_places(bag: Path) -> Places:
     Raises:
         BagError: the bag cannot be read.
     """
-    rows: list[tuple[int, float, float]] = []
+    stamps: list[int] = []
+    fixes: list[tuple[float, float, float]] = []
     with BagReader(bag) as reader:
         of_type = {topic: number for topic, number in reader.counts.items() if topic.type == FIXES and number}
         if of_type:
@@ -44,7 +45,6 @@ def read_places(bag: Path) -> Places:
                     fix = decode(data, kind)
                 except ValueError:
                     continue
-                if fix.status.status != NO_FIX and np.isfinite(fix.latitude + fix.longitude):
-                    rows.append((to_nanoseconds(fix.header.stamp), fix.latitude, fix.longitude))
-    table = np.array([row[1:] for row in rows], dtype=np.float64).reshape(-1, 2)
-    return Places(np.array([row[0] for row in rows], dtype=np.int64), table[:, 0], table[:, 1])
+                stamps.append(to_nanoseconds(fix.header.stamp))
+                fixes.append((fix.latitude, fix.longitude, fix.status.status))
+    return places_of(np.array(stamps, dtype=np.int64), *np.array(fixes, dtype=np.float64).reshape(-1, 3).T)

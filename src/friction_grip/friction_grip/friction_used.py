@@ -122,8 +122,7 @@ class FrictionUsed:
         self._braked = gains / gains.sum()
         driven = np.array([float(wheel.driven) for wheel in wheels])
         self._driven = driven / driven.sum() if driven.any() else self._at_rest
-        is_split = not driven.any() or bool(np.all(self._axles @ driven > 0.0))
-        self._engine_split = _GUESSED * self._between_axles(self._driven) if is_split else np.zeros(len(wheels))
+        self._engine_split = _GUESSED * self._between_axles(self._driven)
         self._drag_torque = driven * vehicle.engine_drag_torque * self._per_torque
         self._drag_torque_stddev = driven * self._per_torque
         self._drag_torque_stddev *= absolute_deviation(vehicle.deviations, "engine_drag_torque")
@@ -245,8 +244,11 @@ class FrictionUsed:
         return expected + gain * missed, wider * (covariance - np.outer(gain, with_sum))
 
     def _between_axles(self, shares: Array) -> Array:
-        """Return what moves from one axle to the other where forces are divided by some shares, sum 0."""
-        of_axles = np.maximum(self._axles @ shares, 1e-9)
-        if not np.all(self._axles @ shares > 0.0):
+        """Return what moves from one axle to the other where forces are divided by some shares, sum 0.
+
+        Nothing does where one axle has no share.
+        """
+        of_axles = self._axles @ shares
+        if not np.all(of_axles > 0.0):
             return np.zeros_like(shares)
         return np.asarray(shares * (np.array([1.0, -1.0]) / of_axles @ self._axles))

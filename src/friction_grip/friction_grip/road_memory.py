@@ -69,11 +69,15 @@ class Proofs:
         """Forget all."""
         self._falling.clear()
 
-    def add(self, bound: float, distance: float, stamp: int) -> None:
-        """Take a lower bound that was given at a distance [m] and a stamp [ns]."""
+    def add(self, mu: float, stddev: float, distance: float, stamp: int) -> float:
+        """Take friction in use at a distance [m] and a stamp [ns]; return what it proves, 0 where that is nothing."""
+        bound = mu - PROOF_SIGMAS * stddev
+        if not bound > 0.0:
+            return 0.0
         while self._falling and self._falling[-1].mu <= bound:
             self._falling.pop()
         self._falling.append(Proof(bound, distance, stamp))
+        return bound
 
     def largest(self, distance: float) -> Proof | None:
         """Return the largest of those that count at a distance [m], not below those before; None: there is none."""
@@ -157,12 +161,11 @@ class RoadMemory:
 
     def prove(self, mu: float, stddev: float, stamp: int) -> None:
         """Take friction in use, with its deviation, at a stamp [ns]."""
-        bound = mu - PROOF_SIGMAS * stddev
-        if not bound > 0.0:
+        bound = self._proofs.add(mu, stddev, self.distance, stamp)
+        if bound == 0.0:
             return
         more = bound > self._proven - PROOF_SIGMAS * self._stddev
         self._proven[more], self._stddev[more] = mu, stddev
-        self._proofs.add(bound, self.distance, stamp)
 
     def take_curve(self, mu_max: float, stddev: float) -> None:
         """Take the friction of a valid curve, with its deviation."""

@@ -228,17 +228,19 @@ def _grip(run: RecordedRun) -> Iterator[Line]:
     grip = run.get("grip")
     if grip is None:
         return
-    used, reach = grip["vehicle.mu_used"], INTERVAL_95 * grip["vehicle.mu_used_stddev"]
-    time = grip.time - _GRIP_DELAY
-    yield Line("grip", "used", VEHICLE, "sensor", "grip", time, used, (used - reach, used + reach))
+    yield _used("grip", "used", VEHICLE, "sensor", "grip", grip, "vehicle")
     yield Line("grip", "proven within 100 m", VEHICLE, "estimate", "grip", grip.time, grip["mu_proven"])
     for name in ("lower", "upper"):
         yield Line("grip", f"{name} bound", VEHICLE, "bound", "grip", grip.time, grip[f"mu_{name}"])
     for wheel in run.wheels:
         if (of_wheel := run.get(topic := f"{wheel}/grip")) is not None:
-            used, reach = of_wheel["used.mu_used"], INTERVAL_95 * of_wheel["used.mu_used_stddev"]
-            time = of_wheel.time - _GRIP_DELAY
-            yield Line("wheel_grip", wheel, wheel, "estimate", topic, time, used, (used - reach, used + reach))
+            yield _used("wheel_grip", wheel, wheel, "estimate", topic, of_wheel, "used")
+
+
+def _used(panel: str, label: str, of: str, kind: str, topic: str, grip: Series, part: str) -> Line:
+    """Return the friction in use of a part, at its own time, with its 95 % interval."""
+    used, reach = grip[f"{part}.mu_used"], INTERVAL_95 * grip[f"{part}.mu_used_stddev"]
+    return Line(panel, label, of, kind, topic, grip.time - _GRIP_DELAY, used, (used - reach, used + reach))
 
 
 def _brake(run: RecordedRun, wheel: str) -> Iterator[Line]:

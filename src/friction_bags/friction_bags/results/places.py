@@ -11,7 +11,7 @@ from vehicle_models.nanoseconds import NANOSECONDS
 
 FIXES: Final = "sensor_msgs/msg/NavSatFix"
 """Type of the messages."""
-NO_FIX: Final = -1
+_NO_FIX = -1
 """Status of one; receivers that set none leave it unknown."""
 _LONGEST_GAP = 3.0
 """Time between fixes over which a place is interpolated [s]."""
@@ -25,7 +25,7 @@ class Places:
     def __init__(
         self, stamps: NDArray[np.int64], latitudes: NDArray[np.float64], longitudes: NDArray[np.float64]
     ) -> None:
-        """Take the fixes, (N,): stamps [ns], latitudes and longitudes [deg]."""
+        """Take places that are known, (N,): stamps [ns], latitudes and longitudes [deg]."""
         order = np.argsort(stamps, kind="stable")
         self._stamps = stamps[order]
         self._latitudes, self._longitudes = latitudes[order], longitudes[order]
@@ -51,3 +51,14 @@ class Places:
         begin = self._latitudes[0], self._longitudes[0]
         north, east = np.radians(latitudes - begin[0]), np.radians(longitudes - begin[1])
         return _EARTH * np.array([np.cos(np.radians(begin[0])) * east, north])
+
+
+def places_of(
+    stamps: NDArray[np.int64],
+    latitudes: NDArray[np.float64],
+    longitudes: NDArray[np.float64],
+    statuses: NDArray[np.float64],
+) -> Places:
+    """Return the places of messages, (N,) each, of which some may have no fix."""
+    good = (statuses != _NO_FIX) & np.isfinite(latitudes + longitudes)
+    return Places(stamps[good], latitudes[good], longitudes[good])

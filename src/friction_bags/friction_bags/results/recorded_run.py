@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.cdr import decode
-from friction_bags.results.places import NO_FIX, Places
+from friction_bags.results.places import Places, places_of
 from friction_runtime.installed import message_class
 from friction_runtime.messages import to_nanoseconds
 from friction_runtime.reports import report_kind
@@ -131,10 +131,8 @@ class RecordedRun:
         most = max(receivers, key=lambda each: each.time.size, default=None)
         if most is None:
             return Places(np.empty(0, np.int64), np.empty(0), np.empty(0))
-        latitudes, longitudes = most["latitude"], most["longitude"]
-        good = (most["status.status"] != NO_FIX) & np.isfinite(latitudes + longitudes)
-        stamps = self.start + np.round(most.time[good] * NANOSECONDS).astype(np.int64)
-        return Places(stamps, latitudes[good], longitudes[good])
+        stamps = self.start + np.round(most.time * NANOSECONDS).astype(np.int64)
+        return places_of(stamps, most["latitude"], most["longitude"], most["status.status"])
 
     def crossings(self, topic: str) -> list[CrossingEvent]:
         """Return the slope crossings of a friction_slope topic; times as in the truth, or when first known."""

@@ -144,10 +144,16 @@ class RoadWatch:
         self._updated, self._lasted = -inf, 0.0
         self._changed = self._different = self._misfits = False
         self._lasting = ""
-        self.changed = False
-        """Whether another road has lasted: the curve is to begin anew."""
-        self.changes = False
+
+    @property
+    def changes(self) -> bool:
         """Whether the newest friction is not that of the curve: the curve is of neither road."""
+        return self._changed and not self._different
+
+    @property
+    def changed(self) -> bool:
+        """Whether another road has lasted: the curve is to begin anew."""
+        return self.changes and self._lasted >= LASTING
 
     def update(self, used: Array, fitted: Array, left: Array, time: Array, misfit: float, deviations: Array) -> str:
         """Return what speaks against one road, empty where nothing does. Arguments as above, after a step of a fit.
@@ -168,7 +174,6 @@ class RoadWatch:
             found = "the sides of the car are on different roads: waiting for one road"
         elif self._changed:
             found = "the road has changed: the curve begins anew"
-        self.changes = self._changed and not self._different
         since = min(float(time[-1]) - self._updated, _STEP)
         self._updated = float(time[-1])
         if not found:
@@ -177,7 +182,6 @@ class RoadWatch:
             self._lasted += since
         if self._lasted >= LASTING:
             self._lasting = found if self._different else ""
-            self.changed = not self._different
         if not found and self._misfits:
             found = "waiting for the curve to follow the newest friction near the peak"
         return self._lasting or found

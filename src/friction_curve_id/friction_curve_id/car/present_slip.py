@@ -63,8 +63,5 @@ def present_slip(
         slip, relaxed = np.hypot(slip, across), np.hypot(relaxed, across)
         across_variance = (stddev * across / np.maximum(relaxed, 1e-6)) ** 2
     variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2 + across_variance
-    return (
-        slip,
-        of_slip,
-        [normal_probability(float((relaxed[each] - limit) / sqrt(variance[each]))) for each in range(wheels)],
-    )
+    beyond = [normal_probability(float((relaxed[each] - limit) / sqrt(variance[each]))) for each in range(wheels)]
+    return slip, of_slip, beyond

@@ -11,7 +11,7 @@ from sensor_msgs.msg import FluidPressure, Imu, JointState
 
 from friction_grip.friction_used import UNKNOWN, FrictionUsed, GripInUse, Used
 from friction_grip.parameters import FrictionGripParameters
-from friction_grip.road_memory import PROOF_SIGMAS, Proof, Proofs, RoadMemory
+from friction_grip.road_memory import Proof, Proofs, RoadMemory
 from friction_runtime.aligned_processor import AlignedProcessor, Primary
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.lateral_inputs import yaw_rate_of
@@ -134,8 +134,7 @@ class GripProcessor(AlignedProcessor[Speeds]):
             return []
         outputs = self._of_wheels_now(sample, used)
         if not isfinite(used.vehicle.mu_used):
-            text = sample.missing.get(IMU, f"{IMU}: no sample within the last 0.2 s")
-            return [*self._unknown(sample.stamp, Reason.NO_ACCELERATION, text), *outputs]
+            return [*self._unknown(sample.stamp, *_lacking(sample, IMU)), *outputs]
         curves = [values[:2] for topic in self._curves if (values := sample.values.get(topic)) and values[2] == 1.0]
         if curves:
             self._road.take_curve(median(mu for mu, _ in curves), max(stddev for _, stddev in curves))
@@ -149,27 +148,25 @@ class GripProcessor(AlignedProcessor[Speeds]):
             if by_tyre[2] == 1.0:
                 mu_x, stddev = by_tyre[:2]
                 self._road.prove(abs(mu_x), stddev, sample.stamp)
-                of_wheel = Used(mu_x, nan, abs(mu_x), stddev), WheelGrip.TYRE_FORCE, ""
+                used_now, source, why = Used(mu_x, nan, abs(mu_x), stddev), WheelGrip.TYRE_FORCE, (Reason.OK, "")
+            elif isfinite(by_brake.mu_used):
+                used_now, source, why = by_brake, WheelGrip.BRAKE, (Reason.OK, "")
             else:
-                why = "" if isfinite(by_brake.mu_used) else self._lacks(sample, tuple(self._brakes)[place])
-                of_wheel = by_brake, WheelGrip.NONE if why else WheelGrip.BRAKE, why
-            outputs.append(self._of_wheel(sample.stamp, place, *of_wheel))
+                used_now, source, why = (
+                    by_brake,
+                    WheelGrip.NONE,
+                    _lacking(sample, f"{self._names[place]}/brake_pressure"),
+                )
+            outputs.append(self._of_wheel(sample.stamp, place, used_now, source, *why))
         return outputs
 
-    def _lacks(self, sample: AlignedSample[Speeds], pressure: str) -> str:
-        topic = pressure if pressure in sample.missing else IMU
-        return sample.missing.get(topic, f"{topic}: no sample within the last 0.2 s")
-
-    def _of_wheel(self, stamp: int, place: int, used: Used, source: int, why: str) -> Output:
+    def _of_wheel(self, stamp: int, place: int, used: Used, source: int, reason: Reason, text: str) -> Output:
         name, proofs, distance = self._names[place], self._of_wheels[place], self._road.distance
-        bound = used.mu_used - PROOF_SIGMAS * used.stddev
-        if bound > 0.0:
-            proofs.add(bound, distance, stamp)
+        proofs.add(used.mu_used, used.stddev, distance, stamp)
         message = WheelGrip(header=header_at(stamp, name), wheel=name, used=_message(used))
         _set_proof(message, proofs.largest(distance), distance, stamp)
         message.source = source
-        lacking = Reason.NO_ACCELERATION if why.startswith(IMU) else Reason.NO_PRESSURE
-        message.validity = validity(name, lacking if why else Reason.OK, why)
+        message.validity = validity(name, reason, text)
         return self._grips[place], message
 
     def _of_car(self, stamp: int, used: GripInUse) -> list[Output]:
@@ -225,6 +222,13 @@ def _of_tyre(force: TyreForce) -> tuple[float, ...]:
     mu = -force.fx / force.fz
     stddev = hypot(force.fx_stddev, mu * force.fz_stddev) / force.fz
     return (mu, stddev, 1.0) if isfinite(mu + stddev) else (0.0, 0.0, 0.0)
+
+
+def _lacking(sample: AlignedSample[Speeds], topic: str) -> tuple[Reason, str]:
+    """Return why a friction is not known, in words too: what it needs of `topic` is missing, else the accelerometer."""
+    topic = topic if topic in sample.missing else IMU
+    reason = Reason.NO_ACCELERATION if topic == IMU else Reason.NO_PRESSURE
+    return reason, sample.missing.get(topic, f"{topic}: no sample within the last 0.2 s")
 
 
 def _set_proof(message: Grip | WheelGrip, proof: Proof | None, distance: float, stamp: int) -> None:
