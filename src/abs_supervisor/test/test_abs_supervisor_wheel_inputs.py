@@ -22,11 +22,11 @@ def test_a_vote_is_told_why_its_own_slip_is_not_valid_whatever_slip_came_last() 
         inputs.read(inputs.slip, WheelSlip(header=header_at(number * STEP, WHEEL), validity=Validity(text=text)))
     told = []
     for number in (1, 2, 3, 4, 5):
-        sample = AlignedSample(number * STEP, SlopeVote(), {}, {}, False)
+        sample = AlignedSample(number * STEP, 0.0, SlopeVote(), {}, {}, False)
         told.append(inputs.observe(sample, 0.0).slip_text)
     assert told == [f"{WHEEL}/slip: {text}" for text in ("not valid", "too slow", "too slow", "no speed", "no speed")]
     inputs.read(inputs.slip, WheelSlip(header=header_at(STEP, WHEEL), validity=Validity(text="a new run")))
-    assert inputs.observe(AlignedSample(STEP, SlopeVote(), {}, {}, False), 0.0).slip_text.endswith("a new run")
+    assert inputs.observe(AlignedSample(STEP, 0.0, SlopeVote(), {}, {}, False), 0.0).slip_text.endswith("a new run")
 
 
 @pytest.mark.parametrize("share", [0.01, 0.9], ids=["locked", "nearly rolling"])
@@ -42,7 +42,7 @@ def test_a_speed_of_the_car_counts_with_a_deviation_up_to_a_third_of_it_or_one_a
     message.vehicle_speed_stddev, message.wheel_speed = stddev, share * speed / vehicle.wheels[0].radius
     read = inputs.read(inputs.slip, message)
     assert not isinstance(read, str)
-    sample = AlignedSample(STEP, SlopeVote(), {inputs.slip: read[1]}, {}, False)
+    sample = AlignedSample(STEP, 0.0, SlopeVote(), {inputs.slip: read[1]}, {}, False)
     seen = inputs.observe(sample, 0.0)
     assert (seen.car_speed == speed, isfinite(seen.slip)) == (tells, tells)
     assert not tells or seen.slip == pytest.approx(1.0 - share)
@@ -56,5 +56,5 @@ def test_a_valid_slip_with_a_deviation_beyond_any_slip_is_none(stddev: float, kn
     message.vehicle_speed, message.wheel_speed = 20.0, 0.9 * 20.0 / vehicle.wheels[0].radius
     read = inputs.read(inputs.slip, message)
     assert not isinstance(read, str)
-    seen = inputs.observe(AlignedSample(STEP, SlopeVote(), {inputs.slip: read[1]}, {}, False), 0.0)
+    seen = inputs.observe(AlignedSample(STEP, 0.0, SlopeVote(), {inputs.slip: read[1]}, {}, False), 0.0)
     assert isfinite(seen.slip) == known

@@ -32,11 +32,11 @@ def stop() -> Recording:
     return record(car.parameters, SlipCycle(car.parameters, car.cycling), 70_001, duration=2.0)
 
 
-def stream() -> Stream:
-    """Messages of the stop in the order of their stamps."""
+def stream(begin: int = 1_000 * NANOSECONDS) -> Stream:
+    """Messages of the stop in the order of their stamps, from `begin` [ns] on."""
     run, messages = stop(), []
     for k, time in enumerate(run.time.tolist()):
-        at = Header(stamp=from_nanoseconds(1_000 * NANOSECONDS + round(time * NANOSECONDS)))
+        at = Header(stamp=from_nanoseconds(begin + round(time * NANOSECONDS)))
         names, speeds = list(CAR.joints), run.wheel_speed[k].tolist()
         messages.append(("wheel_states", JointState(header=at, name=names, velocity=speeds)))
         for wheel, pressure in zip(CAR.wheel_names, run.brake_pressure[k].tolist(), strict=True):
@@ -95,6 +95,18 @@ def test_the_order_of_arrival_does_not_matter() -> None:
         [(topic, repr(message)) for topic, message in drive(made(), each)] for each in (messages, shuffled)
     )
     assert first == second
+
+
+def test_the_date_does_not_matter() -> None:
+    """Seconds since 1970 are coarse: whether a sample is 0.4 s old then depended on the date, and with it the fit."""
+
+    def curves(begin: int) -> list[tuple[float, ...]]:
+        found = drive(made(), stream(begin)[: 6 * 300])
+        return [(each.lambda_max, each.lambda_max_stddev, each.slip, each.mu) for _, each in found]
+
+    today, earlier = curves(1_795_906_106_524_246_398), curves(1_000 * NANOSECONDS)
+    assert sum(each[0] > 0.0 for each in earlier) > 400
+    assert repr(today) == repr(earlier)
 
 
 def test_a_missing_pressure_is_named_for_its_wheel_and_the_others_go_on() -> None:

@@ -45,6 +45,7 @@ class AlignedSample(Generic[Payload]):
     def __init__(
         self,
         stamp: int,
+        time: float,
         payload: Payload,
         values: dict[str, tuple[float, ...]],
         missing: dict[str, str],
@@ -54,12 +55,15 @@ class AlignedSample(Generic[Payload]):
 
         Args:
             stamp: [ns].
+            time: since the first sample of the run [s]. Since 1970 a double would be 0.2 us coarse, and whether a
+                sample is as old as a window is long would depend on the date.
             payload: what was offered with the primary sample.
             values: values of the inputs that are known at the stamp, by topic.
             missing: reasons why the other inputs are not known, by topic.
             rewound: whether it is the first sample after a jump back in time, where estimators start again.
         """
         self.stamp = stamp
+        self.time = time
         self.payload = payload
         self.values = values
         self.missing = missing
@@ -169,7 +173,7 @@ class Aligner(Generic[Payload]):
         self._streams = {declared.topic: _Stream(declared) for declared in inputs}
         self._all_streams = tuple(self._streams.values())
         self._deadline_ns = round(deadline * NANOSECONDS)
-        self._pending: deque[_Timed[Payload]] = deque()
+        self._pending: deque[tuple[_Timed[Payload], float]] = deque()
         self._epoch = 0
         self._epoch_start = 0
         self._newest = 0
@@ -183,9 +187,10 @@ class Aligner(Generic[Payload]):
         if rewound and newest - stamp < NEW_RUN:
             self._primary_late += 1
             return _late(self._primary, newest - stamp)
+        if rewound or newest == 0:
+            self._epoch_start = stamp
         if rewound:
             self._epoch += 1
-            self._epoch_start = stamp
             for stream in self._all_streams:
                 stream.apart_since = stamp if stream.epoch != self._epoch else None
         self._newest = stamp
@@ -193,7 +198,8 @@ class Aligner(Generic[Payload]):
             if stream.apart_since is not None and stamp - stream.apart_since > self._deadline_ns:
                 # It jumped alone, or did not follow a jump: it belongs to the primary's present again.
                 stream.forget(self._epoch)
-        self._pending.append(_Timed(self._epoch, stamp, payload, rewound))
+        time = (stamp - self._epoch_start) / NANOSECONDS
+        self._pending.append((_Timed(self._epoch, stamp, payload, rewound), time))
         return None
 
     def offer(self, topic: str, stamp: int, values: tuple[float, ...]) -> str | None:
@@ -220,7 +226,7 @@ class Aligner(Generic[Payload]):
             return ()
         complete: list[AlignedSample[Payload]] = []
         while pending:
-            primary = pending[0]
+            primary, time = pending[0]
             if not self._reached(primary.epoch, primary.stamp) and not self._overdue(primary.epoch, primary.stamp):
                 break
             pending.popleft()
@@ -232,7 +238,7 @@ class Aligner(Generic[Payload]):
                     missing[stream.topic] = found
                 else:
                     values[stream.topic] = found
-            complete.append(AlignedSample(primary.stamp, primary.payload, values, missing, primary.rewound))
+            complete.append(AlignedSample(primary.stamp, time, primary.payload, values, missing, primary.rewound))
         return complete
 
     def late(self) -> dict[str, int]:

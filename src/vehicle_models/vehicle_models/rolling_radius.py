@@ -37,22 +37,16 @@ class RollingRadius:
         self._forward = -np.array(vehicle.transfer_shares) / shares / GRAVITY
         self._leftward = np.array(vehicle.roll_shares) / shares / GRAVITY
         self._pitch = PitchMode(vehicle.pitch_frequency, vehicle.pitch_damping)
-        self.reset()
 
-    def reset(self) -> None:
-        """Forget the past: the next force is taken to have lasted."""
-        self._time: float | None = None
-
-    def update(self, time: float, forward: float, leftward: float) -> tuple[Array, Array]:
+    def update(self, since: float, forward: float, leftward: float) -> tuple[Array, Array]:
         """Return radii over those at rest, and the standard deviations of that, shape (wheels,).
 
         Args:
-            time: [s]; after a gap, or a step back, the force is taken to have lasted.
+            since: time since the last sample [s]; the force is taken to have lasted where it is longer than 0.5 s,
+                infinite included, or not positive.
             forward: specific force along the car [m/s^2], as an accelerometer reads it; braking negative.
             leftward: the same across it, to the left [m/s^2].
         """
-        since = 0.0 if self._time is None else time - self._time
-        self._time = time
         if 0.0 < since <= _LONGEST:
             self._pitch.step(since, forward)
         else:

@@ -74,7 +74,6 @@ class SlipEstimator:
         self._units.reset()
         self._noise.reset()
         self._frozen.reset()
-        self._rolling.reset()
         self.car.reset()
         self.speed_sensor.reset()
         self._accelerometer_noise.reset()
@@ -103,7 +102,7 @@ class SlipEstimator:
         Returns:
             One estimate per wheel.
         """
-        self._stamp = stamp
+        since, self._stamp = (stamp - self._stamp) / NANOSECONDS, stamp
         seen = [isfinite(measured) for measured in wheel_speeds]
         for wheel, measured, known in zip(self._wheels, wheel_speeds, seen, strict=True):
             if known:
@@ -112,9 +111,7 @@ class SlipEstimator:
         turned = yaw_rate if yaw_rate is not None and isfinite(yaw_rate) else None
         # Where nothing measures a curve, what the wheels show of it has their radii in it.
         leftward = turned * self.car.speed if turned is not None and self.car.started else 0.0
-        loaded, doubt = self._rolling.update(
-            stamp / NANOSECONDS, self.car.acceleration if reading is None else reading, leftward
-        )
+        loaded, doubt = self._rolling.update(since, self.car.acceleration if reading is None else reading, leftward)
         wheels = list(zip(self._wheels, wheel_speeds, (self._at_rest * loaded).tolist(), seen, strict=True))
         rims = [omega * radius if known and not wheel.in_gap else nan for wheel, omega, radius, known in wheels]
         frozen = self._frozen.update(stamp, rims)

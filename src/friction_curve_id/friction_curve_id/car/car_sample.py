@@ -1,6 +1,6 @@
 """Samples of a car, and which of them may enter a fit."""
 
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -63,11 +63,12 @@ class CarGate:
         self._names, self._radii = vehicle.wheel_names, np.array(vehicle.radii)
         self._rolling = RollingRadius(vehicle)
         self._order = StampOrder(max_gap)
+        self._time = -inf
 
     def reset(self) -> None:
         """Forget the stamps seen."""
         self._order.reset()
-        self._rolling.reset()
+        self._time = -inf
 
     def admit(self, sample: CarSample) -> Checked | Refusal:
         """Return the sample as numbers, or why it must not enter."""
@@ -94,7 +95,8 @@ class CarGate:
             leftward = yaw_rate = nan
         after_gap = admission is not Admission.NEXT
         along, across = (each if isfinite(each) else 0.0 for each in (acceleration, leftward))
-        speed *= self._rolling.update(time, along, across)[0]
+        speed *= self._rolling.update(time - self._time, along, across)[0]
+        self._time = time
         return Checked(time, speed, np.maximum(pressure, 0.0), acceleration, after_gap, leftward, yaw_rate)
 
     def _implausible(self, speed: Array, pressure: Array, acceleration: float) -> Refusal | None:

@@ -90,7 +90,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
         pressures = [sample.values.get(topic, _UNKNOWN)[0] for topic in self._pressures]
         acceleration, leftward, yaw_rate, known = sample.values.get(IMU, _NO_IMU)
         across = (leftward, yaw_rate) if known == MEASURED else (nan, nan)
-        taken = CarSample(sample.stamp / NANOSECONDS, sample.payload, pressures, acceleration, *across)
+        taken = CarSample(sample.time, sample.payload, pressures, acceleration, *across)
         if wrong_unit := self._wrong_unit(sample, pressures, acceleration):
             # All wheels are fitted together, so one wrong unit spoils them all.
             answers: Sequence[CurveEstimate | Refusal] = [Refusal(Reason.BAD_INPUT, wrong_unit)] * len(self._wheels)
@@ -125,7 +125,7 @@ class CarProcessor(AlignedProcessor[tuple[float, ...]]):
             unit.update(sample.stamp, wheel_speed, pressure)
             found = f"{topic}: {unit.text}" if unit.text else found
         if not self._acceleration_unit.known:
-            speed = self._braked_speed.update(sample.stamp / NANOSECONDS, sample.payload, pressures)
+            speed = self._braked_speed.update(sample.time, sample.payload, pressures)
             if isfinite(speed) and isfinite(acceleration):
                 self._acceleration_unit.update(sample.stamp, speed, acceleration)
         return found or self._acceleration_unit.text

@@ -12,7 +12,6 @@ from friction_curve_id.parameters import FrictionCurveParameters
 from friction_curve_id.ros.inputs import Reading, wheel_slip
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.reports import of_topic
-from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 
 _SLIP_GAP = 0.1
@@ -47,7 +46,7 @@ class TyreForceInputs:
         slip = values[2]
         if not force.validity.valid:
             return Refusal(Reason.BAD_INPUT, of_topic(self.primary, force.validity.text or "not valid")), slip
-        return self._fitting.update(TyreForceSample(sample.stamp / NANOSECONDS, slip, force.fx, force.fz)), slip
+        return self._fitting.update(TyreForceSample(sample.time, slip, force.fx, force.fz)), slip
 
     def reset(self) -> None:
         """Reset the fit."""

@@ -25,7 +25,6 @@ from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import Report
 from friction_runtime.wheel_inputs import WHEEL_STATES, WheelSpeeds
-from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
@@ -73,7 +72,7 @@ class VehicleInputs:
         speed = known_speed(sample, self._speed)
         if speed is None:
             return Refusal(Reason.NO_SLIP, sample.missing.get(self._speed, f"{self._speed}: no vehicle speed")), nan
-        taken = VehicleSample(sample.stamp / NANOSECONDS, speed, acceleration[0], sample.payload)
+        taken = VehicleSample(sample.time, speed, acceleration[0], sample.payload)
         return self._fit.update(taken), nan
 
     def reset(self) -> None:

@@ -22,7 +22,6 @@ from friction_curve_id.ros.inputs import (
 from friction_runtime.aligner import AlignedInput, AlignedSample
 from friction_runtime.processor import Report
 from friction_runtime.wheel_inputs import WHEEL_STATES, BrakeTorque, WheelSpeeds
-from vehicle_models.nanoseconds import NANOSECONDS
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import Vehicle
 
@@ -75,7 +74,7 @@ class WheelInputs:
         if torque is None:
             return Refusal(Reason.NO_PRESSURE, sample.missing[self._pressure]), slip
         speed = known_speed(sample, self._speed)
-        return self._estimator.update(Sample(sample.stamp / NANOSECONDS, sample.payload, speed, torque[0])), slip
+        return self._estimator.update(Sample(sample.time, sample.payload, speed, torque[0])), slip
 
     def reset(self) -> None:
         """Reset the estimator."""
