@@ -1,9 +1,9 @@
 """Friction in use: force over load of the car, its axles and its wheels, by accelerometer, gyroscope and brakes.
 
-An accelerometer feels the forces on the car over its mass, whatever slope and mass are. With the drag of the air taken
-off they are those of the tyres, a along the car (braking positive) and a_y across:
+An accelerometer feels the forces on the car over its mass, whatever slope and mass are. With drag of the air and
+rolling resistance taken off they are those of the slip of the tyres, a along (braking positive) and a_y across:
 
-    a = -(f + c A rho v^2 / (2 m)),  mu_x = a / g,  mu_y = a_y / g,  mu_used = hypot(mu_x, mu_y)
+    a = -(f + c A rho v^2 / (2 m) + f_r g),  mu_x = a / g,  mu_y = a_y / g,  mu_used = hypot(mu_x, mu_y)
 
 Brakes, inertia of the wheels and the engine say which wheel gives which part of a; their sum is a:
 
@@ -99,6 +99,7 @@ class FrictionUsed:
     def __init__(self, vehicle: Vehicle) -> None:
         """Choose a car."""
         wheels, mass = vehicle.wheels, vehicle.mass
+        self._rolling = vehicle.rolling_resistance * GRAVITY
         self._drag = 0.5 * AIR_DENSITY * vehicle.drag_area / mass
         self._mass_stddev = mass_deviation(vehicle)
         self._drag_stddev = self._drag * hypot(0.15, self._mass_stddev)
@@ -174,13 +175,13 @@ class FrictionUsed:
     def _of_window(self, means: Array, yaw_acceleration: float, spins: Array) -> GripInUse:
         speed, forward, leftward = means[:3].tolist()
         drag = self._drag * speed * speed
-        along, across = -(forward + drag), leftward / (1.0 + _ROLL[0])
+        along, across = -(forward + drag + self._rolling), leftward / (1.0 + _ROLL[0])
         if not isfinite(along):
             return GripInUse(UNKNOWN, UNKNOWN, UNKNOWN, (UNKNOWN,) * self._at_rest.size)
         along_stddev = hypot(self._bias, hypot(_SCALE * along, self._drag_stddev * speed * speed))
         forces, covariance = self._forces(along, along_stddev, means[4:], spins)
         is_lateral = isfinite(across)
-        lateral, lateral_stddev = (across, hypot(self._bias, _ROLL[1] * across)) if is_lateral else (0.0, 0.0)
+        lateral, lateral_stddev = (across, hypot(_BIAS, _ROLL[1] * across)) if is_lateral else (0.0, 0.0)
         turned, turned_stddev = yaw_acceleration, _YAW_INERTIA * yaw_acceleration
         if not is_lateral:
             turned = turned_stddev = 0.0

@@ -63,11 +63,12 @@ def steady(forward: float, leftward: float = 0.0, pascal: float | None = None, c
     return stream
 
 
-def test_the_car_uses_what_the_accelerometer_feels_less_the_drag() -> None:
+def test_the_car_uses_what_the_accelerometer_feels_less_drag_and_rolling_resistance() -> None:
     message = told(made(), steady(-3.0))[-1]
     drag = 0.5 * 1.2 * CAR.drag_area * 100.0 / CAR.mass
     assert message.validity.valid
-    assert message.vehicle.mu_x == pytest.approx((3.0 - drag) / GRAVITY, abs=0.005)
+    slip_alone = (3.0 - drag) / GRAVITY - CAR.rolling_resistance
+    assert message.vehicle.mu_x == pytest.approx(slip_alone, abs=0.005)
     assert isnan(message.vehicle.mu_y)
     assert abs(message.vehicle.mu_used - 0.3) < 2.0 * message.vehicle.mu_used_stddev
     assert 0.0 < message.mu_proven < message.vehicle.mu_used
@@ -204,4 +205,4 @@ def test_health_shows_the_numbers() -> None:
     told(processor, steady(-3.0))
     health = processor.health()
     assert health.level == Level.OK
-    assert health.values["friction used"].startswith("0.3")
+    assert health.values["friction used"].startswith("0.29")

@@ -30,12 +30,13 @@ def used_in(
     spins: tuple[float, ...] = NO_TORQUE,
     vehicle: Vehicle = CAR,
 ) -> GripInUse:
-    """Friction in use at 5 m/s, where drag is little; `turning` and `spins`: rates [rad/s^2]."""
+    """Friction in use at 5 m/s, where drag is little; `forward`: by the slip of the tyres; rates [rad/s^2]."""
+    read = forward - GRAVITY * vehicle.rolling_resistance
     estimator, found = FrictionUsed(vehicle), None
     for k in range(1, 101):
         time = 0.005 * k
         speeds = [16.0 + spin * time for spin in spins]
-        answer = estimator.update(k * 5_000_000, 5.0, forward, leftward, 0.1 + turning * time, torques, speeds)
+        answer = estimator.update(k * 5_000_000, 5.0, read, leftward, 0.1 + turning * time, torques, speeds)
         found = answer or found
     assert found is not None
     return found
