@@ -64,7 +64,7 @@ browser: build ## install playwright (48 MB) and test the page of a drive with t
 
 fleet: build ## install what friction_fleet needs, with a local object store (400 MB), and test it
 	@$(run) python3 -m pip install --quiet -r tools/requirements-fleet.txt
-	@$(run) pytest src/friction_fleet/test
+	@$(run) pytest src/friction_fleet/test benchmarks/test/test_benchmarks_engine.py
 
 bags: build ## make the recorded experiments of bags/ again, from fixed seeds
 	@$(run) python -m friction_bags library

@@ -1,4 +1,4 @@
-"""Runner of all studies: jobs in processes, flat rows with limits, the command line.
+"""Runner of all studies: flat rows with limits, the command line.
 
 A study is a module with `add_arguments(parser)` and `run(options) -> rows`. A row with a limit has `value`, `limit` and
 `passed`; where `passed` is None or absent, the row is for information. The exit code is 1 where a row fails.
@@ -9,22 +9,20 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from math import isfinite, isnan
-from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, Protocol, TypeVar, cast
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
+from benchmarks.engine import ENGINE, add_engine_arguments, engine_of
 from friction_parameters.command_line import command
 from friction_runtime.blas_threads import use_one_blas_thread
 
@@ -85,37 +83,6 @@ def run_lengths(true: NDArray[np.bool_]) -> NDArray[np.int64]:
     return np.flatnonzero(edges == -1) - np.flatnonzero(edges == 1)
 
 
-Job = TypeVar("Job")
-Result = TypeVar("Result")
-
-
-def in_processes(work: Callable[[Job], Result], jobs: Sequence[Job], title: str, processes: int) -> list[Result]:
-    """Do every job; the results in the order of the jobs.
-
-    Args:
-        work: a function of a module.
-        jobs: its arguments.
-        title: of the progress bar.
-        processes: how many share the jobs; with 1 this process does them.
-    """
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    with Progress(*columns, TimeElapsedColumn(), TimeRemainingColumn()) as progress:
-        bar = progress.add_task(title, total=len(jobs))
-        if processes == 1:
-            found = []
-            for job in jobs:
-                found.append(work(job))
-                progress.advance(bar)
-            return found
-        results: dict[int, Result] = {}
-        with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-            pending = {pool.submit(work, job): number for number, job in enumerate(jobs)}
-            for done in as_completed(pending):
-                results[pending[done]] = done.result()
-                progress.advance(bar)
-        return [results[number] for number in range(len(jobs))]
-
-
 class Part(Protocol):
     """Module of a study."""
 
@@ -168,8 +135,10 @@ def run_part(program: str, title: str, part: Part, arguments: Sequence[str]) -> 
     use_one_blas_thread()  # importing it does so; algorithms alone do not import it
     parser = argparse.ArgumentParser(prog=program, description=title)
     parser.add_argument("--json", type=Path, help="write the rows to this file")
+    add_engine_arguments(parser)
     part.add_arguments(parser)
     options = parser.parse_args(arguments)
+    ENGINE.set(engine_of(options))
     rows = list(part.run(options))
     print_rows(title, rows)
     if options.json is not None:

@@ -22,6 +22,7 @@ from benchmarks.abs.panic_stop import (
 )
 from benchmarks.abs.random_cars import FAMILIES, RANDOM, random_row
 from benchmarks.abs.tyre_force_crosscheck import SMART_TYRES, opinion_row
+from benchmarks.engine import results_of
 from benchmarks.protocol import CORNER, DT, SPEED
 from benchmarks.runner import Row
 from corner_sim.plant import SAMPLE_TIME
@@ -147,7 +148,6 @@ def law_rows(
     surfaces: Sequence[str],
     cases: Sequence[str],
     judged: bool,
-    done: Callable[[], None],
 ) -> list[Row]:
     """Make all stops; return a row per car, road and case.
 
@@ -158,13 +158,12 @@ def law_rows(
         surfaces: names of the roads; none: all.
         cases: names of the perturbations; none: all.
         judged: whether the limits apply; else the rows are for information.
-        done: called after each row.
     """
-    made = []
-    for make in chosen(cars, law, seeds, surfaces, cases, judged):
-        made.append(make())
-        done()
-    return made
+    return results_of(_make, chosen(cars, law, seeds, surfaces, cases, judged), law)
+
+
+def _make(row: Callable[[], Row]) -> Row:
+    return row()
 
 
 def chosen(

@@ -11,7 +11,7 @@ from rich.progress import Progress
 
 from abs_supervisor.parameters import CURVE, SLOPE_SIGN
 from benchmarks.abs.controllers import THRESHOLDS, BrakedCorners, Parameters, processors, shipped
-from benchmarks.abs.law_rows import CARS, CORNER_ALONE, chosen, law_rows
+from benchmarks.abs.law_rows import CARS, CORNER_ALONE, law_rows
 from benchmarks.abs.panic_stop import END_SPEED, LOCK_TIME, LONGEST, LongestLock
 from benchmarks.protocol import CAR, DT, SPEED, VEHICLE
 from benchmarks.runner import Row, at_least, at_most
@@ -138,11 +138,7 @@ def _of_law(options: argparse.Namespace) -> list[Row]:
     # The thresholds are those of one corner.
     cars = [CORNER_ALONE] if options.law == THRESHOLDS else options.car
     surfaces, cases = options.surface, options.case
-    with Progress() as progress:
-        judged = options.law == CURVE
-        total = len(chosen(cars, options.law, options.seeds, surfaces, cases, judged))
-        done = partial(progress.advance, progress.add_task(options.law, total=total))
-        return law_rows(cars, options.law, options.seeds, surfaces, cases, judged, done)
+    return law_rows(cars, options.law, options.seeds, surfaces, cases, options.law == CURVE)
 
 
 def _judged(name: str, found: Stops) -> list[Row]:

@@ -4,13 +4,13 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite, nan
-from os import cpu_count
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.engine import results_of
 from benchmarks.grip.drives import GripDrive, drive
-from benchmarks.runner import Row, at_least, at_most, in_processes, not_judged
+from benchmarks.runner import Row, at_least, at_most, not_judged
 from friction_grip.friction_used import FrictionUsed, GripInUse
 from friction_grip.parameters import FrictionGripParameters
 from friction_grip.road_memory import RoadMemory
@@ -75,11 +75,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> list[Row]:
     """Drive, estimate, and return the rows."""
     seeds = range(options.first_seed, options.first_seed + options.cars)
-    told = in_processes(_drive_and_tell, [(seed, 60.0 * options.minutes) for seed in seeds], "drives", cpu_count() or 1)
+    told = results_of(_drive_and_tell, [(seed, 60.0 * options.minutes) for seed in seeds], "drives")
     rows: list[Row] = []
     for name in _PARTS:
         rows += _used_rows(name, [each[_RIGHT] for each in told])
-    rows += _used_rows("car", [each[_KNOWN_BIAS] for each in told], ", bias known to 0.05 m/s^2")
+        rows += _used_rows(name, [each[_KNOWN_BIAS] for each in told], ", bias known to 0.05 m/s^2")
     rows += _proof_rows([each[_RIGHT] for each in told])
     for belief in BELIEFS:
         rows += _lower_rows(belief, [each[belief] for each in told])

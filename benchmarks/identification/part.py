@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> list[Row]:
         for surface, name in enumerate(TABLE_8_1)
         for method in options.methods
     ]
-    traces = make(batches, f"identification, manoeuvre {options.manoeuvre}", options.processes)
+    traces = make(batches, f"identification, manoeuvre {options.manoeuvre}")
     bounds = _bounds(truth)
     rows: list[Row] = []
     for surface, name in enumerate(TABLE_8_1):
@@ -85,4 +85,3 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=FrictionSource.DEAD_RECKONED.value,
         help="how the chapter's methods make their friction samples",
     )
-    parser.add_argument("--processes", type=count, default=2, help="processes that share the runs")

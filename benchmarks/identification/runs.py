@@ -8,8 +8,9 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.engine import results_of
 from benchmarks.protocol import CORNER, Truth
-from benchmarks.runner import Row, in_processes
+from benchmarks.runner import Row
 from friction_curve_id.chapter.friction_samples import FrictionSource
 from friction_curve_id.interface import CurveEstimate, CurveEstimator, Refusal, Sample
 from friction_curve_id.methods import exact_wheel_estimator
@@ -59,11 +60,11 @@ class Batch:
     source: FrictionSource = FrictionSource.DEAD_RECKONED
 
 
-def make(batches: Iterable[Batch], title: str, processes: int = 2) -> dict[str, Traces]:
+def make(batches: Iterable[Batch], title: str) -> dict[str, Traces]:
     """Make all runs, with a progress bar; the traces by the key of their batch."""
     jobs = list(batches)
     tasks = [(job, first) for job in jobs for first in range(0, len(job.runs), _CHUNK)]
-    parts = iter(in_processes(_make_chunk, tasks, title, processes))
+    parts = iter(results_of(_make_chunk, tasks, title))
     return {job.key: _join(islice(parts, -(-len(job.runs) // _CHUNK))) for job in jobs}
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+from benchmarks.engine import results_of
 from benchmarks.real_car.bound import Bound, bound, bound_rows
 from benchmarks.real_car.curves import CASES, curve_rows, make_curve_stop
 from benchmarks.real_car.driving import (
@@ -36,7 +37,7 @@ from benchmarks.real_car.road_change import (
 )
 from benchmarks.real_car.stops import Stop, make_stop, stop_rows
 from benchmarks.real_car.traction import STARTS, make_start, start_rows
-from benchmarks.runner import Row, in_processes
+from benchmarks.runner import Row
 from corner_sim.car.car_parameters import CarParameters, SensorParameters
 from corner_sim.car.driving import Cycling
 from corner_sim.car.random_car import random_car
@@ -117,7 +118,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--perturbations", nargs="+", choices=PERTURBATIONS, default=list(PERTURBATIONS), help="for 'perturbations'"
     )
     parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES), help="for 'curves', by name")
-    parser.add_argument("--processes", type=count, default=2, help="processes that share the runs")
 
 
 def run(options: argparse.Namespace) -> list[Row]:
@@ -143,7 +143,7 @@ def _perturbations(options: argparse.Namespace) -> list[Row]:
         for perturbation, road in cases
         for seed in range(options.seeds)
     ]
-    results = in_processes(make_stop, jobs, "one perturbation", options.processes)
+    results = results_of(make_stop, jobs, "one perturbation")
     rows: list[Row] = []
     for number, (perturbation, road) in enumerate(cases):
         of_case = results[number * options.seeds : (number + 1) * options.seeds]
@@ -158,9 +158,9 @@ def _random(options: argparse.Namespace) -> list[Row]:
             number = _FIRST_SEED + seed
             car = random_car(number, road, _family(seed))
             jobs.append(Stop(car.parameters, car.cycling, number))
-    results = in_processes(make_stop, jobs, "random cars", options.processes)
+    results = results_of(make_stop, jobs, "random cars")
     cars = [Bound(_FIRST_SEED + seed, road, _family(seed)) for road in ROADS for seed in range(options.seeds)]
-    bounds = in_processes(bound, cars, "bound with all perturbations", options.processes)
+    bounds = results_of(bound, cars, "bound with all perturbations")
     rows = stop_rows("random cars", "all", results, judge_errors=True) + bound_rows("all", bounds)
     for number, road in enumerate(ROADS):
         of_road = slice(number * options.seeds, (number + 1) * options.seeds)
@@ -171,7 +171,7 @@ def _random(options: argparse.Namespace) -> list[Row]:
 
 def _traction(options: argparse.Namespace) -> list[Row]:
     jobs = [(name, _FIRST_SEED + seed) for name in STARTS for seed in range(options.seeds)]
-    results = in_processes(make_start, jobs, "traction", options.processes)
+    results = results_of(make_start, jobs, "traction")
     rows: list[Row] = []
     for number, name in enumerate(STARTS):
         rows += start_rows(name, results[number * options.seeds : (number + 1) * options.seeds])
@@ -182,7 +182,7 @@ def _before_peak(options: argparse.Namespace) -> list[Row]:
     rows: list[Row] = []
     for family in TYRES:
         jobs = [Rise(_FIRST_SEED + seed, road, family) for road in ROADS for seed in range(options.seeds)]
-        results = in_processes(make_rise, jobs, f"before the peak, {family}", options.processes)
+        results = results_of(make_rise, jobs, f"before the peak, {family}")
         rows += rise_rows(family, [each for result in results for each in result])
     return rows
 
@@ -194,7 +194,7 @@ def _road_change(options: argparse.Namespace) -> list[Row]:
         for roads, split in cases
         for seed in range(options.seeds)
     ]
-    results = in_processes(make_two_roads, jobs, "two roads", options.processes)
+    results = results_of(make_two_roads, jobs, "two roads")
     rows: list[Row] = []
     for number, (roads, split) in enumerate(cases):
         rows += two_roads_rows(roads, split, results[number * options.seeds : (number + 1) * options.seeds])
@@ -203,7 +203,7 @@ def _road_change(options: argparse.Namespace) -> list[Row]:
 
 def _driving(options: argparse.Namespace) -> list[Row]:
     jobs = drives(options.hours, options.first_drive)
-    results = in_processes(_one_drive, jobs, "ordinary driving", options.processes)
+    results = results_of(_one_drive, jobs, "ordinary driving")
     return drive_rows([curves for curves, _ in results]) + slope_drive_rows([signs for _, signs in results])
 
 
@@ -235,18 +235,18 @@ def _known(options: argparse.Namespace) -> list[Row]:
         for road in TABLE_8_1
         for first in range(0, options.seeds, _KNOWN_RUNS)
     ]
-    found = in_processes(make_known, jobs, "known exactly", options.processes)
+    found = results_of(make_known, jobs, "known exactly")
     return known_rows([(job.road, answers) for job, answers in zip(jobs, found, strict=True)])
 
 
 def _cost(options: argparse.Namespace) -> list[Row]:
     jobs = [Bound(_FIRST_SEED + seed, road, _family(seed)) for road in ROADS for seed in range(_TIMED)]
-    return cost_rows(in_processes(timed, jobs, "cost", 1))
+    return cost_rows([timed(job) for job in jobs])
 
 
 def _curves(options: argparse.Namespace) -> list[Row]:
     jobs = [(name, _FIRST_SEED + seed) for name in options.cases for seed in range(options.seeds)]
-    stops = in_processes(make_curve_stop, jobs, "curves", options.processes)
+    stops = results_of(make_curve_stop, jobs, "curves")
     rows: list[Row] = []
     for number, name in enumerate(options.cases):
         rows += curve_rows(CASES[name], stops[number * options.seeds : (number + 1) * options.seeds])

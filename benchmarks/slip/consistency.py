@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.progress import track
 
+from benchmarks.engine import results_of
 from benchmarks.measured import INDY_AV21
 from benchmarks.runner import Row, at_least, at_most, not_judged
 from benchmarks.slip.car_drives import cases, drive, ordinary_drive
@@ -93,15 +93,26 @@ class Judged:
 
 def consistency_rows(vehicle: Vehicle, parameters: EstimatorParameters, seeds: Sequence[int]) -> list[Row]:
     """Return the rows of all drives, each with one car for each seed."""
-    rows: list[Row] = []
-    for name, case in track(cases().items(), description="drives"):
-        of_wheels = replace(parameters.wheel_filter, edges=case.edges, missing_teeth=case.missing_teeth)
-        nominal, car = replace(parameters, wheel_filter=of_wheels), vehicle
-        if case.edges:
-            car = replace(vehicle, wheels=tuple(replace(each, encoder_teeth=case.teeth) for each in vehicle.wheels))
-        rows += case_rows(name, [judge(drive(case, car, seed), car, nominal) for seed in seeds])
-    ordinary = [ordinary_drive(seed) for seed in range(seeds[0], seeds[0] + 8 * len(seeds))]
-    return rows + case_rows("ordinary driving", [judge(each, vehicle, parameters) for each in ordinary])
+    jobs = [(name, vehicle, parameters, seed) for name in cases() for seed in seeds]
+    judged = results_of(_of_case, jobs, "drives")
+    found = {name: [each for job, each in zip(jobs, judged, strict=True) if job[0] == name] for name in cases()}
+    rows = [row for name, of_cars in found.items() for row in case_rows(name, of_cars)]
+    ordinary = [(vehicle, parameters, seed) for seed in range(seeds[0], seeds[0] + 8 * len(seeds))]
+    return rows + case_rows("ordinary driving", results_of(_of_ordinary, ordinary, "ordinary driving"))
+
+
+def _of_case(job: tuple[str, Vehicle, EstimatorParameters, int]) -> Judged:
+    name, vehicle, parameters, seed = job
+    case = cases()[name]
+    of_wheels = replace(parameters.wheel_filter, edges=case.edges, missing_teeth=case.missing_teeth)
+    if case.edges:
+        vehicle = replace(vehicle, wheels=tuple(replace(each, encoder_teeth=case.teeth) for each in vehicle.wheels))
+    return judge(drive(case, vehicle, seed), vehicle, replace(parameters, wheel_filter=of_wheels))
+
+
+def _of_ordinary(job: tuple[Vehicle, EstimatorParameters, int]) -> Judged:
+    vehicle, parameters, seed = job
+    return judge(ordinary_drive(seed), vehicle, parameters)
 
 
 def judge(run: Recording, vehicle: Vehicle, parameters: EstimatorParameters) -> Judged:

@@ -3,11 +3,11 @@
 import argparse
 from collections.abc import Sequence
 from itertools import product
-from os import cpu_count
 
 import numpy as np
 
-from benchmarks.runner import Row, at_least, in_processes
+from benchmarks.engine import results_of
+from benchmarks.runner import Row, at_least
 from benchmarks.slope_position.driving import ROADS, driving_rows, make_drive
 from benchmarks.slope_position.loop import LAWS, loop_cases, make_loop
 from benchmarks.slope_position.stops import CASES, Case, Stop, make_stop
@@ -27,25 +27,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--loops", type=int, default=5, help="stops of the whole graph under each law on each road")
     methods = tuple(method.value for method in Method)
     parser.add_argument("--method", choices=methods, default=methods[0])
-    parser.add_argument("--processes", type=count, default=cpu_count() or 1)
 
 
 def run(options: argparse.Namespace) -> list[Row]:
     """Make all stops; return two rows a case, and those of ordinary driving."""
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     jobs = [(name, options.method, seed) for name in options.cases for seed in seeds]
-    stops = in_processes(make_stop, jobs, "stops", options.processes)
+    stops = results_of(make_stop, jobs, "stops")
     rows: list[Row] = []
     for k, name in enumerate(options.cases):
         rows += case_rows(CASES[name], stops[k * len(seeds) : (k + 1) * len(seeds)])
     for law, road in product(LAWS, ROADS) if options.loops else ():
         loops = [(law, road, options.first_seed + k) for k in range(options.loops)]
-        closed = in_processes(make_loop, loops, f"closed loop, {law}, {road}", options.processes)
+        closed = results_of(make_loop, loops, f"closed loop, {law}, {road}")
         for case, of_axle in zip(loop_cases(law, road), zip(*closed, strict=True), strict=True):
             rows += case_rows(case, of_axle)
     drives = [(options.method, seed) for seed in range(options.first_seed, options.first_seed + options.drives)]
     if drives:
-        rows += driving_rows(in_processes(make_drive, drives, "drives", options.processes))
+        rows += driving_rows(results_of(make_drive, drives, "drives"))
     return rows
 
 

@@ -224,7 +224,7 @@ def test_the_part_makes_all_its_studies(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(part, "STARTS", ("pacejka snow",))
     parser = argparse.ArgumentParser()
     part.add_arguments(parser)
-    arguments = ["--seeds", "1", "--hours", "0.002", "--processes", "1", "--perturbations", "48 teeth at 100 Hz"]
+    arguments = ["--seeds", "1", "--hours", "0.002", "--perturbations", "48 teeth at 100 Hz"]
     rows = part.run(parser.parse_args([*arguments, "--cases", "held 0.6 g", "shallow, wet 0.5 g"]))
     assert {row["case"] for row in rows} == {
         *("48 teeth at 100 Hz", "random cars", "ordinary driving"),

@@ -32,7 +32,7 @@ def test_the_part_makes_its_stops_in_and_out_of_the_loop(monkeypatch: pytest.Mon
     monkeypatch.setattr(part, "ROADS", ("dry",))
     parser = argparse.ArgumentParser()
     part.add_arguments(parser)
-    arguments = ["--seeds", "1", "--cases", "wet", "--drives", "0", "--loops", "1", "--processes", "1"]
+    arguments = ["--seeds", "1", "--cases", "wet", "--drives", "0", "--loops", "1"]
     rows = part.run(parser.parse_args(arguments))
     front, rear = loop_cases("curve", "dry")
     assert [row["case"] for row in rows] == [name for name in ("wet", front.name, rear.name) for _ in range(2)]

@@ -9,7 +9,8 @@ from typing import Any
 from rich.progress import Progress
 
 from abs_supervisor.parameters import CURVE, SLOPE_SIGN
-from benchmarks.runner import Row, in_processes
+from benchmarks.engine import results_of
+from benchmarks.runner import Row
 from campaigns.faults.case import Case, Manoeuvre
 from campaigns.faults.catalogue import CASES, NO_FAULT, Plan, quick, whole
 from campaigns.faults.loop import Loop
@@ -47,7 +48,7 @@ def make_stop(stop: Stop) -> tuple[Measures, str]:
     return measure(record, case, manoeuvre, reference), record.said
 
 
-def rows(plan: Plan, seeds: int, law: str, processes: int) -> list[Row]:
+def rows(plan: Plan, seeds: int, law: str) -> list[Row]:
     """Make all stops of a plan under a law; return a row per manoeuvre and case.
 
     The stop without fault is made once for all cases of a manoeuvre.
@@ -59,7 +60,7 @@ def rows(plan: Plan, seeds: int, law: str, processes: int) -> list[Row]:
         for case in cases
         for seed in range(seeds)
     ]
-    made = iter(in_processes(make_stop, stops, "stops", processes))
+    made = iter(results_of(make_stop, stops, "stops"))
     found: list[Row] = []
     for (manoeuvre, made_cases), (_, cases) in zip(chosen, plan, strict=True):
         of_case = {case: _over_seeds(made, seeds) for case in made_cases}
@@ -118,7 +119,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     for name in ("car", "surface", "fault"):
         parser.add_argument(f"--{name}", action="append", help="only these rows; repeatable")
-    parser.add_argument("--processes", type=count, default=1, help="processes that share the stops")
     parser.add_argument("--demand", type=positive, action="append", help="only these rows; repeatable")
 
 
@@ -126,7 +126,7 @@ def run(options: argparse.Namespace) -> list[Row]:
     """Make all stops; return a row per car, surface, demand and fault."""
     if options.live is not None:
         return _live(options.live)
-    found = rows(_chosen(options), options.seeds, options.law, options.processes)
+    found = rows(_chosen(options), options.seeds, options.law)
     print(f"{len(found)} rows, {sum(times()[:4]):.0f} s of CPU")
     return found
 

@@ -257,7 +257,7 @@ def test_the_whole_plan_has_every_fault_on_every_road_and_the_quick_one_is_part_
 def test_partial_braking_of_the_corner_keeps_its_brake() -> None:
     faults = ["none", "slope_invalid", "stamps_crawl"]
     options = Namespace(
-        seeds=1, processes=1, law="slope_sign", quick=False, live=None, car=[CORNER], surface=["dry"], fault=faults,
+        seeds=1, law="slope_sign", quick=False, live=None, car=[CORNER], surface=["dry"], fault=faults,
         demand=[0.6],
     )  # fmt: skip
     rows = list(load_part("campaigns", "faults").run(options))
