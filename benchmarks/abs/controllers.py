@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from functools import partial
 from math import isfinite
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from friction_msgs.msg import BrakeCommand, BrakeDemand, WheelSlip
@@ -26,7 +26,7 @@ from friction_slope.parameters import SHIPPED as SHIPPED_SLOPE
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.ros.processor import WheelProcessor as SlopeProcessor
 from vehicle_models.brake_actuator import Command
-from vehicle_models.vehicle import FRONT, Vehicle
+from vehicle_models.vehicle import FRONT, Deviation, SharedBy, Vehicle, Wheel
 from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
 from wheel_slip.ros.processor import CarProcessor
 
@@ -177,6 +177,8 @@ class BrakedCorners:
         return given
 
 
+Stating = TypeVar("Stating", Vehicle, Wheel)
+
 THRESHOLDS = "threshold"
 """Name of this law."""
 _WINDOW = 5
@@ -285,9 +287,23 @@ def law_stops(surface: str, seeds: range, law: str, perturbation: Perturbation) 
         perturbation: differences between the car and the nominal vehicle of the graph.
     """
     sensing = InertialSensing(speed_sensor=False, offset=ACCELERATION_OFFSET, stddev=ACCELERATION_STDDEV)
-    braked = BrakedCorners(surface, seeds, partial(_processors, law), sensing, perturbation)
+    # a file of a car that differs from it does not claim to be exact
+    vehicle = _uncertain(CAR) if perturbation.of_vehicle else CAR
+    braked = BrakedCorners(surface, seeds, partial(_processors, law), sensing, perturbation, vehicle)
     braked.roll(ROLLING)
     return brake_to_rest(braked.plant, braked.brake)
+
+
+def _uncertain(vehicle: Vehicle) -> Vehicle:
+    """Return a vehicle whose file states what is usually not known of a car: load, pads, tyres, and a sample."""
+    of_wheels = [{"brake_gain": 0.1 * each.brake_gain, "radius": 0.01 * each.radius} for each in vehicle.wheels]
+    wheels = tuple(map(_stating, vehicle.wheels, of_wheels))
+    return _stating(replace(vehicle, wheels=wheels), {"mass": 0.1 * vehicle.mass, "brake_pressure_delay": 0.01})
+
+
+def _stating(of: Stating, stddevs: Mapping[str, float]) -> Stating:
+    stated = {name: Deviation(stddev, SharedBy.ALL) for name, stddev in stddevs.items()}
+    return replace(of, deviations={**of.deviations, **stated})
 
 
 def _processors(law: str, alone: Vehicle) -> list[Processor]:

@@ -48,6 +48,11 @@ class Perturbation:
     hill: float = 0.0
     """Sine of the slope that comes within 30 m soon after the onset. The single corner has none."""
 
+    @property
+    def of_vehicle(self) -> bool:
+        """Whether the car differs from its vehicle file."""
+        return (self.gain, self.mass, self.radius, self.delay) != (1.0, 1.0, 1.0, 0.0)
+
     def corner(self, nominal: CornerParameters) -> CornerParameters:
         """Return the corner that brakes, of the one in the vehicle file."""
         return replace(
