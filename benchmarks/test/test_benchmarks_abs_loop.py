@@ -190,6 +190,12 @@ def test_where_the_road_changes_the_row_compares_with_the_ideal_controller() -> 
     assert row["limit"] == 1.04
 
 
+def test_a_corner_that_differs_from_a_file_which_says_so_is_braked_at_its_bound() -> None:
+    options = Namespace(seeds=1, vehicle=VEHICLE, law="curve", car=["corner"], surface=["wet"], case=["gain -20 %"])
+    (row,) = load_part("benchmarks", "abs").run(options)
+    assert row["passed"], row["failures"]
+
+
 @pytest.mark.parametrize(("lock", "holds"), [(0.045, True), (0.05, False)])
 def test_a_lock_where_the_road_changes_fails_its_row(lock: float, holds: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     locked = replace(law_stops("dry to wet", range(1), "curve", NONE), longest_lock=np.array([lock]))
