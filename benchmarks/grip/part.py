@@ -39,6 +39,8 @@ BELIEFS = {
 }
 """What a user may believe of roads, rightly and wrongly."""
 _RIGHT = "prior as it is"
+_DRIVERS = {"usual": 1.0, "gentle": 0.5, "hard": 1.6}
+"""Their accelerations over the usual ones; the seed tells which of them drives."""
 _KNOWN_BIAS = "bias known"
 
 
@@ -81,6 +83,9 @@ def run(options: argparse.Namespace) -> list[Row]:
         rows += _used_rows(name, [each[_RIGHT] for each in told])
         rows += _used_rows(name, [each[_KNOWN_BIAS] for each in told], ", bias known to 0.05 m/s^2")
     rows += _proof_rows([each[_RIGHT] for each in told])
+    for place, driver in enumerate(_DRIVERS):
+        by = [each[_RIGHT] for seed, each in zip(seeds, told, strict=True) if seed % len(_DRIVERS) == place]
+        rows += _sharpness_rows(driver, by) if by else []
     for belief in BELIEFS:
         rows += _lower_rows(belief, [each[belief] for each in told])
     return rows
@@ -88,7 +93,7 @@ def run(options: argparse.Namespace) -> list[Row]:
 
 def _drive_and_tell(job: tuple[int, float]) -> dict[str, Told]:
     seed, seconds = job
-    driven = drive(seed, seconds, (1.0, 0.5, 1.6)[seed % 3])
+    driven = drive(seed, seconds, tuple(_DRIVERS.values())[seed % len(_DRIVERS)])
     vehicle = load_vehicle("compact_car")
     speed = _speeds(driven, vehicle)
     found = used_over(driven, speed, vehicle)
@@ -211,6 +216,20 @@ def _proof_rows(told: list[Told]) -> list[Row]:
         },
         {"quantity": "time with a proof [%]", **at_least(_percent(known), 95.0)},
         {"quantity": "mu_proven, median", **not_judged(float(np.median(np.concatenate(sharp))))},
+    ]
+
+
+def _sharpness_rows(driver: str, told: list[Told]) -> list[Row]:
+    """Rows of what one kind of driver comes to know on each road."""
+    proven, lower = (np.concatenate(each) for each in ([one.proven for one in told], [one.lower for one in told]))
+    roads = np.array([road for each in told for road in each.road])
+    return [
+        {
+            "quantity": f"mu_proven, median, {driver} driver, {road}",
+            **not_judged(float(np.nanmedian(proven[roads == road]))),
+            "median": float(np.median(lower[roads == road])),
+        }
+        for road in dict.fromkeys(roads.tolist())
     ]
 
 
