@@ -5,11 +5,12 @@ of its road.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from benchmarks.stated_deviations import stating
 from corner_sim.car.car import STEP
 from corner_sim.car.car_parameters import PITCH_GAIN, CarParameters, SensorParameters
 from corner_sim.car.cornering_car import CorneringCar
@@ -23,7 +24,7 @@ from corner_sim.ros import messages
 from corner_sim.sensors import CHAPTER_NOISE, Measurement
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.vehicle import Deviation, SharedBy, Vehicle
+from vehicle_models.vehicle import Vehicle
 from vehicle_models.vehicle_file import load_vehicle
 
 VEHICLE: Final = "compact_car"
@@ -83,23 +84,8 @@ class Instant(NamedTuple):
 
 def well_known(vehicle: Vehicle) -> Vehicle:
     """Return a car whose brakes and wheels were measured: gains and inertias to 2 %, delay to 2 ms, drag to 5 N m."""
-
-    def known(stddev: float) -> Deviation:
-        return Deviation(stddev, SharedBy.ALL)
-
-    wheels = tuple(
-        replace(
-            wheel,
-            deviations={
-                **wheel.deviations,
-                "inertia": known(0.02 * wheel.inertia),
-                "brake_gain": known(0.02 * wheel.brake_gain),
-            },
-        )
-        for wheel in vehicle.wheels
-    )
-    of_car = {"brake_pressure_delay": known(0.002), "engine_drag_torque": known(5.0)}
-    return replace(vehicle, wheels=wheels, deviations={**vehicle.deviations, **of_car})
+    of_car = {"brake_pressure_delay": 0.002, "engine_drag_torque": 5.0}
+    return stating(vehicle, of_car, {"inertia": 0.02, "brake_gain": 0.02})
 
 
 def make_car(case: Case, seed: int) -> tuple[CarParameters, Cycling]:

@@ -15,7 +15,6 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import version
 from importlib.util import find_spec
 from multiprocessing import get_context
 from pathlib import Path
@@ -24,6 +23,7 @@ from typing import Any, TypeVar
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from friction_parameters.command_line import UserError, count
+from friction_runtime.source_digest import source_digest
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -121,12 +121,5 @@ def _keep(file: Path, result: object) -> None:
 @cache
 def code_digest() -> str:
     """Return the digest of the sources of all packages and studies, and of the libraries."""
-    found = sha256(" ".join(f"{name} {version(name)}" for name in _LIBRARIES).encode())
-    roots = [_ROOT / name for name in _STUDIES]
-    for package in sorted(path.name for path in (_ROOT / "src").iterdir()):
-        spec = find_spec(package)
-        roots += [] if spec is None else map(Path, spec.submodule_search_locations or ())
-    for root in roots:
-        for file in sorted(each for each in root.rglob("*") if each.suffix in (".py", ".yaml")):
-            found.update(f"{root.name}/{file.relative_to(root)} {sha256(file.read_bytes()).hexdigest()}".encode())
-    return found.hexdigest()
+    packages = sorted(path.name for path in (_ROOT / "src").iterdir() if find_spec(path.name) is not None)
+    return source_digest((*_STUDIES, *packages), _LIBRARIES)

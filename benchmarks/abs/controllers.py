@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from functools import partial
 from math import isfinite
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from friction_msgs.msg import BrakeCommand, BrakeDemand, WheelSlip
@@ -16,6 +16,7 @@ from abs_supervisor.parameters import SupervisorParameters
 from abs_supervisor.ros.processor import WheelProcessor as SupervisorProcessor
 from benchmarks.abs.panic_stop import NONE, Commands, Flags, PanicPlant, PanicStops, Perturbation, brake_to_rest
 from benchmarks.protocol import ACCELERATION_OFFSET, ACCELERATION_STDDEV, CAR, DT, STEP
+from benchmarks.stated_deviations import stating
 from corner_sim.ros import messages
 from corner_sim.sensors import Measurement, SensorNoise
 from friction_curve_id.parameters import SHIPPED as SHIPPED_CURVE
@@ -26,7 +27,7 @@ from friction_slope.parameters import SHIPPED as SHIPPED_SLOPE
 from friction_slope.parameters import FrictionSlopeParameters
 from friction_slope.ros.processor import WheelProcessor as SlopeProcessor
 from vehicle_models.brake_actuator import Command
-from vehicle_models.vehicle import FRONT, Deviation, SharedBy, Vehicle, Wheel
+from vehicle_models.vehicle import FRONT, Vehicle
 from wheel_slip.parameters import SHIPPED as SHIPPED_SLIP
 from wheel_slip.ros.processor import CarProcessor
 
@@ -177,8 +178,6 @@ class BrakedCorners:
         return given
 
 
-Stating = TypeVar("Stating", Vehicle, Wheel)
-
 THRESHOLDS = "threshold"
 """Name of this law."""
 _WINDOW = 5
@@ -296,14 +295,8 @@ def law_stops(surface: str, seeds: range, law: str, perturbation: Perturbation) 
 
 def _uncertain(vehicle: Vehicle) -> Vehicle:
     """Return a vehicle whose file states what is usually not known of a car: load, pads, tyres, and a sample."""
-    of_wheels = [{"brake_gain": 0.1 * each.brake_gain, "radius": 0.01 * each.radius} for each in vehicle.wheels]
-    wheels = tuple(map(_stating, vehicle.wheels, of_wheels))
-    return _stating(replace(vehicle, wheels=wheels), {"mass": 0.1 * vehicle.mass, "brake_pressure_delay": 0.01})
-
-
-def _stating(of: Stating, stddevs: Mapping[str, float]) -> Stating:
-    stated = {name: Deviation(stddev, SharedBy.ALL) for name, stddev in stddevs.items()}
-    return replace(of, deviations={**of.deviations, **stated})
+    of_car = {"mass": 0.1 * vehicle.mass, "brake_pressure_delay": 0.01}
+    return stating(vehicle, of_car, {"brake_gain": 0.1, "radius": 0.01})
 
 
 def _processors(law: str, alone: Vehicle) -> list[Processor]:

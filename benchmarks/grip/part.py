@@ -83,17 +83,21 @@ def run(options: argparse.Namespace) -> list[Row]:
         rows += _used_rows(name, [each[_RIGHT] for each in told])
         rows += _used_rows(name, [each[_KNOWN_BIAS] for each in told], ", bias known to 0.05 m/s^2")
     rows += _proof_rows([each[_RIGHT] for each in told])
-    for place, driver in enumerate(_DRIVERS):
-        by = [each[_RIGHT] for seed, each in zip(seeds, told, strict=True) if seed % len(_DRIVERS) == place]
+    for driver in _DRIVERS:
+        by = [each[_RIGHT] for seed, each in zip(seeds, told, strict=True) if _driver_of(seed) == driver]
         rows += _sharpness_rows(driver, by) if by else []
     for belief in BELIEFS:
         rows += _lower_rows(belief, [each[belief] for each in told])
     return rows
 
 
+def _driver_of(seed: int) -> str:
+    return tuple(_DRIVERS)[seed % len(_DRIVERS)]
+
+
 def _drive_and_tell(job: tuple[int, float]) -> dict[str, Told]:
     seed, seconds = job
-    driven = drive(seed, seconds, tuple(_DRIVERS.values())[seed % len(_DRIVERS)])
+    driven = drive(seed, seconds, _DRIVERS[_driver_of(seed)])
     vehicle = load_vehicle("compact_car")
     speed = _speeds(driven, vehicle)
     found = used_over(driven, speed, vehicle)
@@ -227,7 +231,7 @@ def _sharpness_rows(driver: str, told: list[Told]) -> list[Row]:
         {
             "quantity": f"mu_proven, median, {driver} driver, {road}",
             **not_judged(float(np.nanmedian(proven[roads == road]))),
-            "median": float(np.median(lower[roads == road])),
+            "of mu_lower": float(np.median(lower[roads == road])),
         }
         for road in dict.fromkeys(roads.tolist())
     ]

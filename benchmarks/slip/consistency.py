@@ -95,8 +95,9 @@ def consistency_rows(vehicle: Vehicle, parameters: EstimatorParameters, seeds: S
     """Return the rows of all drives, each with one car for each seed."""
     jobs = [(name, vehicle, parameters, seed) for name in cases() for seed in seeds]
     judged = results_of(_of_case, jobs, "drives")
-    found = {name: [each for job, each in zip(jobs, judged, strict=True) if job[0] == name] for name in cases()}
-    rows = [row for name, of_cars in found.items() for row in case_rows(name, of_cars)]
+    rows: list[Row] = []
+    for k, name in enumerate(cases()):
+        rows += case_rows(name, judged[k * len(seeds) : (k + 1) * len(seeds)])
     ordinary = [(vehicle, parameters, seed) for seed in range(seeds[0], seeds[0] + 8 * len(seeds))]
     return rows + case_rows("ordinary driving", results_of(_of_ordinary, ordinary, "ordinary driving"))
 

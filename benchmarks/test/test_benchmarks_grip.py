@@ -25,4 +25,4 @@ def test_a_proof_is_below_the_road_that_it_is_of(rows: dict[str, Row]) -> None:
 def test_what_a_driver_comes_to_know_is_told_by_road(rows: dict[str, Row]) -> None:
     told = [row for quantity, row in rows.items() if quantity.startswith("mu_proven, median, usual driver")]
     assert told
-    assert all(0.0 < row["value"] < row["median"] < 1.2 for row in told)
+    assert all(0.0 < row["value"] < row["of mu_lower"] < 1.2 for row in told)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
 
 from friction_adapter.map_file import load_map, map_path
 from friction_bags.offline.plan import ProcessOptions
+from friction_runtime.source_digest import source_digest
 from vehicle_models.vehicle_file import vehicle_path
 
 ESTIMATORS = ("wheel_slip", "friction_curve_id", "friction_grip")
@@ -62,13 +61,5 @@ class Settings:
 @cache
 def code_digest() -> str:
     """Return the digest of the sources and shipped files of all that the results depend on, and of the libraries."""
-    found = sha256(" ".join(f"{name} {version(name)}" for name in _LIBRARIES).encode())
-    files = [Path(__file__).with_name(name) for name in _OWN]
-    for package in _PACKAGES:
-        spec = find_spec(package)
-        assert spec is not None and spec.submodule_search_locations, f"{package} is a dependency"
-        root = Path(next(iter(spec.submodule_search_locations)))
-        files += sorted(file for file in root.rglob("*") if file.suffix in (".py", ".yaml"))
-    for file in files:
-        found.update(f"{file.name} {sha256(file.read_bytes()).hexdigest()}".encode())
-    return found.hexdigest()[:24]
+    own = [Path(__file__).with_name(name) for name in _OWN]
+    return source_digest(_PACKAGES, _LIBRARIES, own)[:24]

@@ -173,9 +173,10 @@ class Aligner(Generic[Payload]):
         self._streams = {declared.topic: _Stream(declared) for declared in inputs}
         self._all_streams = tuple(self._streams.values())
         self._deadline_ns = round(deadline * NANOSECONDS)
-        self._pending: deque[tuple[_Timed[Payload], float]] = deque()
+        self._pending: deque[_Timed[Payload]] = deque()
         self._epoch = 0
         self._epoch_start = 0
+        self._begin = 0
         self._newest = 0
 
     def offer_primary(self, stamp: int, payload: Payload) -> str | None:
@@ -187,10 +188,9 @@ class Aligner(Generic[Payload]):
         if rewound and newest - stamp < NEW_RUN:
             self._primary_late += 1
             return _late(self._primary, newest - stamp)
-        if rewound or newest == 0:
-            self._epoch_start = stamp
         if rewound:
             self._epoch += 1
+            self._epoch_start = stamp
             for stream in self._all_streams:
                 stream.apart_since = stamp if stream.epoch != self._epoch else None
         self._newest = stamp
@@ -198,8 +198,7 @@ class Aligner(Generic[Payload]):
             if stream.apart_since is not None and stamp - stream.apart_since > self._deadline_ns:
                 # It jumped alone, or did not follow a jump: it belongs to the primary's present again.
                 stream.forget(self._epoch)
-        time = (stamp - self._epoch_start) / NANOSECONDS
-        self._pending.append((_Timed(self._epoch, stamp, payload, rewound), time))
+        self._pending.append(_Timed(self._epoch, stamp, payload, rewound))
         return None
 
     def offer(self, topic: str, stamp: int, values: tuple[float, ...]) -> str | None:
@@ -226,7 +225,7 @@ class Aligner(Generic[Payload]):
             return ()
         complete: list[AlignedSample[Payload]] = []
         while pending:
-            primary, time = pending[0]
+            primary = pending[0]
             if not self._reached(primary.epoch, primary.stamp) and not self._overdue(primary.epoch, primary.stamp):
                 break
             pending.popleft()
@@ -238,6 +237,9 @@ class Aligner(Generic[Payload]):
                     missing[stream.topic] = found
                 else:
                     values[stream.topic] = found
+            if primary.rewound or self._begin == 0:
+                self._begin = primary.stamp
+            time = (primary.stamp - self._begin) / NANOSECONDS
             complete.append(AlignedSample(primary.stamp, time, primary.payload, values, missing, primary.rewound))
         return complete
 
@@ -248,6 +250,7 @@ class Aligner(Generic[Payload]):
 
     def reset(self) -> None:
         """Forget every sample and every stamp."""
+        self._begin = 0
         self._primary_late = 0
         self._pending.clear()
         self._newest = 0

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, nan, sqrt
+from math import inf, isfinite, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,7 +102,7 @@ class SlipEstimator:
         Returns:
             One estimate per wheel.
         """
-        since, self._stamp = (stamp - self._stamp) / NANOSECONDS, stamp
+        since, self._stamp = (stamp - self._stamp) / NANOSECONDS if self._stamp else inf, stamp
         seen = [isfinite(measured) for measured in wheel_speeds]
         for wheel, measured, known in zip(self._wheels, wheel_speeds, seen, strict=True):
             if known:
