@@ -1,4 +1,4 @@
-"""Vehicle files that say how well their values are known."""
+"""Vehicle files that state how well their values are known."""
 
 from collections.abc import Mapping
 from dataclasses import replace
