@@ -80,9 +80,8 @@ class Limit(IntEnum):
 class Intervention:
     """Judges what the law of one wheel asks for: `judge` at every sample."""
 
-    def __init__(self, corner: CornerParameters, actuator: ActuatorParameters, trims: bool) -> None:
-        """Choose a wheel and its hydraulics; `trims`: the law holds a slip, and lowers the brake by little."""
-        self._trims = trims
+    def __init__(self, corner: CornerParameters, actuator: ActuatorParameters) -> None:
+        """Choose a wheel and its hydraulics."""
         self._spin = corner.inertia / corner.radius
         self._open = OPEN_FRICTION * corner.radius * corner.vertical_load
         self._pulse = min(RETURN_RATE / actuator.apply_rate, 1.0)
@@ -103,7 +102,7 @@ class Intervention:
         """[N m] brake torque that the road gave at the last proof; NaN where none is remembered."""
         self._way = 0.0
         self._opened = self._paused = self._allowed = 0.0
-        self._wanted = self._proves = False
+        self._wanted = self._proves = self._trims = False
 
     def judge(
         self,
@@ -114,6 +113,7 @@ class Intervention:
         torque: float,
         coming: float,
         demand: float,
+        trims: bool,
         probes: bool = False,
     ) -> Command:
         """Return the command that may be given.
@@ -126,10 +126,11 @@ class Intervention:
             torque: of the brake [N m].
             coming: the same when a command begins to act.
             demand: of the driver [N m].
+            trims: whether the law in force holds a slip, and lowers the brake by little.
             probes: whether it is the turn of this wheel to roll as a reference of the speed.
         """
         dt = min((stamp - self._stamp) / NANOSECONDS, PAUSE)
-        self._stamp = stamp
+        self._stamp, self._trims = stamp, trims
         self.budget = min(self.budget + REFILL * dt, FULL)
         begins = law is Command.DECREASE and not self._wanted
         self._wanted = law is Command.DECREASE

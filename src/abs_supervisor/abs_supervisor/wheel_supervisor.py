@@ -65,7 +65,7 @@ class WheelSupervisor:
         self.curve_speed = CurveSpeed()
         self.controller = SlipController(corner, actuator, self.brake)
         self.arbitration = Arbitration()
-        self.intervention = Intervention(corner, actuator, by_curve)
+        self.intervention = Intervention(corner, actuator)
         self._load = WheelLoad(vehicle, wheel)
         self.reset()
 
@@ -136,7 +136,10 @@ class WheelSupervisor:
             most = self._axle.most(self._wheel, stamp, measured.torque, self.degraded)
         probes = law is not Command.NONE and most is not Command.DECREASE and self._probes(stamp)
         coming = self.brake.torque_at(torque, stamp - self.brake.late, stamp + self.brake.delay)
-        command = self.intervention.judge(stamp, law, self.slip, self.car.speed, torque, coming, demand, probes)
+        trims = self.law is Law.CURVE
+        command = self.intervention.judge(
+            stamp, law, self.slip, self.car.speed, torque, coming, demand, trims=trims, probes=probes
+        )
         if self._axle is not None and not probes:
             if command is Command.INCREASE or (command is Command.HOLD and most is Command.DECREASE):
                 command = most

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from abs_supervisor.arbitration import Law
 from abs_supervisor.curve_selector import CurveReport, Estimate
 from abs_supervisor.intervention import Limit, Phase, Release
 from abs_supervisor.measurements import Measurements
@@ -155,6 +156,23 @@ def test_without_slip_a_wheel_that_dives_is_released_until_it_is_back() -> None:
     assert stop.slips[100 + first] < 0.6
     assert Command.DECREASE in given
     assert min(stop.slips[100 + first :]) < 0.3 or max(stop.slips) < 0.9
+
+
+@pytest.mark.parametrize("road", ["wet", "snow"])
+def test_where_the_slip_is_lost_the_slopes_sign_is_in_force_with_all_that_belongs_to_it(road: str) -> None:
+    commands = []
+    for by_curve in (True, False):
+        stop = Stop(road, 1.5, by_curve)
+        stop.told = None
+        for _ in range(100):
+            stop.step(0.0, slip=nan, car_speed=nan)
+        for _ in range(500):
+            stop.law = Command.DECREASE if stop.slip > 0.15 else Command.INCREASE
+            stop.step(slip=nan, car_speed=nan)
+        assert stop.supervisor.law is Law.SLOPE_SIGN
+        commands.append(stop.commands)
+    assert Command.DECREASE in commands[0]
+    assert commands[0] == commands[1]
 
 
 def test_a_release_that_does_not_help_spends_its_budget_and_the_pressure_returns_slowly() -> None:
