@@ -14,7 +14,7 @@ from corner_sim.car.recording import Recording, record
 from corner_sim.car.tyres import TYRES
 from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.car_model import CarConstants
-from friction_curve_id.car.fit import forgotten
+from friction_curve_id.car.fit import forgotten, loosened
 from friction_curve_id.car.new_road import NewRoad, axle_on_new_road
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause
 from vehicle_models.reason import Reason
@@ -116,6 +116,17 @@ def test_the_forgotten_is_as_if_it_had_never_been_known() -> None:
     inverse = np.linalg.inv(left[np.ix_(others, others)])
     whole = (covariance @ spread @ spread.T @ covariance)[np.ix_(others, others)]
     assert inverse @ variance[np.ix_(others, others)] @ inverse == pytest.approx(whole)
+
+
+def test_a_drift_adds_its_own_variance_and_nothing_else() -> None:
+    random = np.random.default_rng(4)
+    root, spread, step = random.normal(size=(4, 4)), random.normal(size=(4, 4)), random.normal(size=4)
+    information, gradient, of_noise = root @ root.T + np.eye(4), random.normal(size=4), spread @ spread.T
+    left, slope, variance = loosened(information, gradient, of_noise, step, 0.7)
+    before, after = np.linalg.inv(information), np.linalg.inv(left)
+    assert after == pytest.approx(before + 0.7 * np.outer(step, step))
+    assert after @ slope == pytest.approx(before @ gradient)
+    assert after @ variance @ after == pytest.approx(before @ of_noise @ before)
 
 
 class DryThenSnow:

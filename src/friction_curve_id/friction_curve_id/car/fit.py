@@ -266,7 +266,7 @@ class CurveFit:
         said = float(offset @ (0.5 * past.information @ offset + past.gradient))
         likelihood = memory * (past.log_likelihood - said) - at.cost
         duration = float(nodes.interval[:number].sum())
-        information = memory * past.information + at.information
+        information, spread = memory * past.information + at.information, memory * past.spread + at.spread
         sd = self._prior.stddev
         for unknown, rate in _DRIFTS.items():
             if sd[unknown] > 0.0:
@@ -274,14 +274,8 @@ class CurveFit:
                 step[unknown] = 1.0 / sd[unknown]
                 if unknown is Unknown.CURVE_RATE:  # the curve until now stays as it is
                     step[Unknown.CURVE] = -float(nodes.time[number]) / sd[Unknown.CURVE]
-                information, gradient = _loosened(information, gradient, step, rate**2 * duration)
-        self.past = Quadratic(
-            information,
-            gradient,
-            self.z.copy(),
-            memory * past.spread + at.spread,
-            likelihood,
-        )
+                information, gradient, spread = loosened(information, gradient, spread, step, rate**2 * duration)
+        self.past = Quadratic(information, gradient, self.z.copy(), spread, likelihood)
         self._carry(nodes, number)
 
     def forget(self, nodes: Nodes, number: int) -> None:
@@ -370,11 +364,18 @@ class WheelSpeedNoise:
         return np.asarray(-self._variance * gradient)
 
 
-def _loosened(information: Array, gradient: Array, step: Array, variance: float) -> tuple[Array, Array]:
-    """Return the quadratic after z has moved along `step`, shape (P,), at random with this variance."""
+def loosened(
+    information: Array, gradient: Array, spread: Array, step: Array, variance: float
+) -> tuple[Array, Array, Array]:
+    """Return the quadratic after z has moved along `step`, shape (P,), at random with this variance.
+
+    The second is its gradient, the third the variance of that by noise: what the noise makes of z stays as it is.
+    """
     column = information @ step
     gain = column * (variance / (1.0 + variance * float(column @ step)))
-    return information - np.outer(gain, column), gradient - gain * float(gradient @ step)
+    spread = spread - np.outer(gain, step @ spread)
+    spread = spread - np.outer(spread @ step, gain)
+    return information - np.outer(gain, column), gradient - gain * float(gradient @ step), spread
 
 
 def forgotten(information: Array, gradient: Array, spread: Array, index: int) -> tuple[Array, Array, Array]:
