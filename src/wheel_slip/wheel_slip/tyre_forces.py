@@ -28,12 +28,6 @@ SLOWEST = 1.0
 """Speed [m/s] that divides in place of a slower one."""
 
 
-def free_wheels(vehicle: Vehicle) -> list[int]:
-    """Return the wheels without an engine, or all where all have one or nothing is known of it."""
-    free = [index for index, wheel in enumerate(vehicle.wheels) if not wheel.driven]
-    return free or list(range(len(vehicle.wheels)))
-
-
 TOLD, BLIND = range(2)
 """Rows of the forces: by the torques, where they are known; and without them."""
 
