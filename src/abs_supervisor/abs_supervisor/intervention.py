@@ -102,7 +102,7 @@ class Intervention:
         """[N m] brake torque that the road gave at the last proof; NaN where none is remembered."""
         self._way = 0.0
         self._opened = self._paused = self._allowed = 0.0
-        self._wanted = self._proves = self._trims = False
+        self._wanted = self._proves = False
 
     def judge(
         self,
@@ -130,7 +130,7 @@ class Intervention:
             probes: whether it is the turn of this wheel to roll as a reference of the speed.
         """
         dt = min((stamp - self._stamp) / NANOSECONDS, PAUSE)
-        self._stamp, self._trims = stamp, trims
+        self._stamp = stamp
         self.budget = min(self.budget + REFILL * dt, FULL)
         begins = law is Command.DECREASE and not self._wanted
         self._wanted = law is Command.DECREASE
@@ -149,12 +149,12 @@ class Intervention:
             self.release = Release.SPEED_PROBE
             return Command.HOLD if coming <= PROBE * self.road_torque else Command.DECREASE
         if self._wanted:
-            self.release = self._verdict(slip, coming)
+            self.release = self._verdict(slip, coming, trims)
             if self.release is not Release.REFUSED:
                 return self._lower(dt, slip, torque)
             self.refused += begins
         self._opened = 0.0
-        return self._otherwise(stamp, law, slip, torque, coming, demand)
+        return self._otherwise(stamp, law, slip, torque, coming, demand, trims)
 
     def may_probe(self, slip: SlipMonitor, torque: float, demand: float) -> bool:
         """Whether the wheel may roll as a reference: it slips by proof in this braking, below the driver's demand."""
@@ -167,13 +167,12 @@ class Intervention:
     def _is_near(self, torque: float) -> bool:
         return torque >= FLOOR * self.road_torque
 
-    def _verdict(self, slip: SlipMonitor, coming: float) -> Release:
+    def _verdict(self, slip: SlipMonitor, coming: float, trims: bool) -> Release:
         if self.phase is Phase.STANDBY:
             return Release.REFUSED
         if slip.proven:
             return Release.BY_SLIP
-        trims = self._is_near(coming) and (self._trims or slip.falls)
-        return Release.BY_ROAD_TORQUE if trims else Release.REFUSED
+        return Release.BY_ROAD_TORQUE if self._is_near(coming) and (trims or slip.falls) else Release.REFUSED
 
     def _remember(self, slip: SlipMonitor, way: float, torque: float) -> None:
         """Keep the torque that the road gave: r Fx = T - J a / r, with a the deceleration of the circumference."""
@@ -214,7 +213,7 @@ class Intervention:
         return Command.DECREASE
 
     def _otherwise(
-        self, stamp: int, law: Command, slip: SlipMonitor, torque: float, coming: float, demand: float
+        self, stamp: int, law: Command, slip: SlipMonitor, torque: float, coming: float, demand: float, trims: bool
     ) -> Command:
         """Return the command where nothing is lowered."""
         if not torque < demand:
@@ -223,7 +222,7 @@ class Intervention:
         near = active and self._is_near(coming)
         if law is not Command.INCREASE and (near or slip.dives or (slip.possible and self._looks(stamp))):
             return Command.HOLD
-        if active and slip.deep and not self._trims:
+        if active and slip.deep and not trims:
             return Command.HOLD if slip.recovers else self._slowly()
         return Command.INCREASE
 

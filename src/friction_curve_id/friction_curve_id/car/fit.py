@@ -372,10 +372,7 @@ def loosened(
     The second is its gradient, the third the variance of that by noise: what the noise makes of z stays as it is.
     """
     column = information @ step
-    gain = column * (variance / (1.0 + variance * float(column @ step)))
-    spread = spread - np.outer(gain, step @ spread)
-    spread = spread - np.outer(spread @ step, gain)
-    return information - np.outer(gain, column), gradient - gain * float(gradient @ step), spread
+    return _along(information, gradient, spread, step, column * (variance / (1.0 + variance * float(column @ step))))
 
 
 def forgotten(information: Array, gradient: Array, spread: Array, index: int) -> tuple[Array, Array, Array]:
@@ -383,10 +380,16 @@ def forgotten(information: Array, gradient: Array, spread: Array, index: int) ->
     column = information[:, index]
     if not column[index] > 0.0:
         return information, gradient, spread
-    gain = column / column[index]
-    spread = spread - np.outer(gain, spread[index])
-    spread = spread - np.outer(spread[:, index], gain)
-    return information - np.outer(gain, column), gradient - gain * gradient[index], spread
+    step = np.zeros_like(gradient)
+    step[index] = 1.0
+    return _along(information, gradient, spread, step, column / column[index])
+
+
+def _along(information: Array, gradient: Array, spread: Array, step: Array, gain: Array) -> tuple[Array, Array, Array]:
+    """Return the quadratic less what it says along `step`, as far as `gain` goes, shape (P,) each."""
+    spread = spread - np.outer(gain, step @ spread)
+    spread = spread - np.outer(spread @ step, gain)
+    return information - np.outer(gain, information @ step), gradient - gain * float(gradient @ step), spread
 
 
 def _spread(white: Array, load_stddev: Array, interval: Array) -> Array:
