@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 RESOLUTION = 11
 """Of H3: hexagons with sides of 29 m, narrower than the distance of a stop."""
+_REGION = 6
+"""Of H3: hexagons with sides of 3.7 km, each of one weather."""
 SPACING = 50.0
 """Distance of the centres of neighbours [m]."""
 
@@ -21,6 +23,11 @@ def cells_of(latitudes: NDArray[np.float64], longitudes: NDArray[np.float64]) ->
     """Return the cells of places [deg], (N,)."""
     pairs = zip(latitudes.tolist(), longitudes.tolist(), strict=True)
     return np.array([cell_of(*pair) for pair in pairs], dtype=np.uint64)
+
+
+def region_of(cell: int) -> int:
+    """Return the region of one weather that a cell lies in."""
+    return int(h3.cell_to_parent(cell, _REGION))
 
 
 def centre(cell: int) -> tuple[float, float]:

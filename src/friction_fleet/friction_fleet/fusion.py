@@ -1,46 +1,46 @@
 """Friction of a cell over time by a histogram filter: fits are likelihoods, friction in use is a censored observation.
 
-Between observations the road may change, at a mean time T, and once more with probability 1/2 at each of n changes of
-the weather that are known; then it is one of the prior's. With x the friction of the road for a median tyre, and s the
-deviation of ln x by measurement and tyre:
+Each cell has a density of x, the friction of the road for a median tyre, and of w, the weather of its region; the
+region has its own of w, which all its cells share. Between observations the road is drawn anew, at a mean time T, and
+the weather likewise (roads_later). With s the deviation of ln x by measurement and tyre, and c constants:
 
-    p(x) <- a p(x) + (1 - a) p_0(x),    a = e^(-dt/T) 2^(-n)   time
-    p(x) <- p(x) ((1 - e) N(ln m; ln x, s) + e / R)          a fit m; R is the range of ln x
-    p(x) <- p(x) ((1 - e) Phi((ln x - ln u) / s) + e)        friction u that was proven: the road has at least this
+    p(x,w) <- p(x,w) P(w) / sum_x p(x,w)               what the other cells of the region have told of the weather
+    p(x,w) <- p(x,w) ((1 - e) N(ln m; ln x, s) + e / R)          a fit m; R is the range of ln x
+    p(x,w) <- p(x,w) ((1 - e) Phi((ln x - ln u) / s) + e)        friction u that was proven: the road has at least this
+    P(w)   <- c sum_x p(x,w)
 
 u is the friction in use less 2.58 standard deviations. Proofs of one car are not repeated evidence, as its tyres are
-the same: a smaller one counts once a < 1/e since the last. That a pass uses little is no evidence either: a place where
+the same: a smaller one counts at a time T after the last. That a pass uses little is no evidence either: a place where
 nobody brakes looks like ice to everybody who drives there.
 
-A road goes on into the next cell. So the prior of a cell is that of its neighbours, as far as no border lies between:
+A road goes on into the next cell, at least its kind k, bare or under snow and ice, where no border lies between:
 
-    p_i(x) ~ (p_i(x) / p_0(x)) (c mean_j p_j(x) + (1 - c) p_0(x)),    c = exp(-spacing / L)
+    p_i(x) <- p_i(x) sum_k P(k|x) prod_j (c P_j(k) / P_0(k) + 1 - c),    c = exp(-spacing / L)
+
+Friction itself is not taken from the neighbours: the same tyres have driven there, so their errors are the same.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from friction_fleet.cells import SPACING, neighbours
+from friction_fleet.cells import SPACING, neighbours, region_of
 from friction_fleet.evidence import Evidence
+from friction_fleet.weather import KINDS, ROADS, WEATHERS, roads_later, weather_later
 from friction_grip.road_memory import PROOF_SIGMAS
-from friction_grip.road_prior import GRID, RoadPrior
+from friction_grip.road_prior import GRID
 
 Array = NDArray[np.float64]
 
 CHANGE_TIME = 6.0
-"""Mean time between changes of a road [h]: rain and drying, frost and thaw, winter service."""
+"""Mean time between changes of a road, and of the weather [h]: rain and drying, frost and thaw, winter service."""
 CHANGE_DISTANCE = 300.0
 """Mean distance between changes of the road [m], as of friction_grip."""
-_FORGOTTEN = float(np.exp(-1.0))
-"""Probability of an unchanged road below which a car's proof does not stand against a smaller one."""
-_WEATHER = 0.5
-"""Share of the roads that a change of the weather changes."""
 BETWEEN_TYRES = 0.08
 """Deviation of the friction of tyres on one road, relative."""
 _WRONG = 0.02
@@ -49,6 +49,10 @@ SLIPPERY = 0.4
 """Friction of a road below which it is slippery: snow and ice."""
 WARNING = 0.5
 """Probability of a slippery road from which a cell is one."""
+_GOES_ON = float(np.exp(-SPACING / CHANGE_DISTANCE))
+"""Probability that a road is of one kind in two neighbouring cells."""
+_KINDS_BEFORE = KINDS @ (WEATHERS @ ROADS)
+"""Probability of bare roads, and of snow and ice, before anything is known, (2,)."""
 _LOG_GRID = np.log(GRID)
 _ROOT = float(np.sqrt(2.0 * np.pi))
 _RANGE = float(_LOG_GRID[-1] - _LOG_GRID[0])
@@ -74,9 +78,20 @@ class CellFriction:
 
 
 @dataclass
-class _Cell:
-    density: Array
+class _Weather:
+    """What is known of the weather of a region."""
+
+    chances: Array
+    """Probability of dry and of wet weather, (2,)."""
     stamp: float
+
+
+@dataclass
+class _Cell:
+    densities: Array
+    """Probability of weather and friction, (2, 90)."""
+    stamp: float
+    weather: _Weather
     proofs: dict[str, tuple[float, float]] = field(default_factory=dict)
     """Largest proof of each car, and its time [s]."""
     passes: int = 0
@@ -87,44 +102,35 @@ class _Cell:
 class FrictionMap:
     """The friction of all cells; evidence comes in the order of time."""
 
-    def __init__(
-        self,
-        prior: RoadPrior | None = None,
-        change_time: float = CHANGE_TIME,
-        use_bounds: bool = True,
-        weather: Sequence[float] = (),
-    ) -> None:
+    def __init__(self, change_time: float = CHANGE_TIME, use_bounds: bool = True) -> None:
         """Begin without evidence.
 
         Args:
-            prior: shares of roads; None for those of a year.
-            change_time: mean time between changes of a road [h].
-            weather: times at which rain or frost begins or ends [s since 1970].
+            change_time: mean time between changes of a road, and of the weather [h].
             use_bounds: whether friction in use counts, or fits alone.
         """
-        self._prior = (RoadPrior() if prior is None else prior).density()
-        self._prior = self._prior / self._prior.sum()
         self._change = 3600.0 * change_time
         self._use_bounds = use_bounds
-        self._weather = np.sort(np.array(weather))
         self._cells: dict[int, _Cell] = {}
+        self._weathers: dict[int, _Weather] = {}
 
     def update(self, evidence: Evidence) -> None:
         """Take what a car has learned."""
-        cell = self._cells.setdefault(evidence.cell, _Cell(self._prior, evidence.stamp))
-        density = self._at(cell, evidence.stamp)
+        cell = self._cells.get(evidence.cell) or self._new_cell(evidence)
+        densities = self._at(cell, evidence.stamp)
         if evidence.is_fit:
             cell.fits += 1
-            density = density * _of_fit(evidence)
+            densities = densities * _of_fit(evidence)
         else:
             cell.passes += 1
             proven = evidence.mu - PROOF_SIGMAS * evidence.stddev
             before, at = cell.proofs.get(evidence.vehicle, (0.0, evidence.stamp))
-            is_news = proven > before or self._unchanged(at, evidence.stamp) < _FORGOTTEN
+            is_news = proven > before or evidence.stamp - at > self._change
             if self._use_bounds and is_news and proven > GRID[0]:
                 cell.proofs[evidence.vehicle] = proven, evidence.stamp
-                density = density * _of_proof(proven)
-        cell.density, cell.stamp = density / density.sum(), max(evidence.stamp, cell.stamp)
+                densities = densities * _of_proof(proven)
+        cell.densities, cell.stamp = densities / densities.sum(), max(evidence.stamp, cell.stamp)
+        cell.weather.chances, cell.weather.stamp = cell.densities.sum(axis=1), cell.stamp
         cell.vehicles.add(evidence.vehicle)
 
     def update_all(self, evidence: Iterable[Evidence]) -> None:
@@ -141,22 +147,26 @@ class FrictionMap:
         """Return the friction of a cell at a time, as `at`; None where it has no evidence."""
         if number not in self._cells:
             return None
-        density = self._at(self._cells[number], stamp)
-        around = [self._at(self._cells[each], stamp) for each in neighbours(number) if each in self._cells]
-        if around:
-            same = float(np.exp(-SPACING / CHANGE_DISTANCE))
-            density = density / self._prior * (same * np.mean(around, axis=0) + (1.0 - same) * self._prior)
+        density = self._at(self._cells[number], stamp).sum(axis=0)
+        for each in neighbours(number):
+            if each in self._cells:
+                kinds = KINDS @ self._at(self._cells[each], stamp).sum(axis=0)
+                density = density * ((_GOES_ON * kinds / _KINDS_BEFORE + 1.0 - _GOES_ON) @ KINDS)
         return self._summary(number, density / density.sum(), stamp)
 
+    def _new_cell(self, evidence: Evidence) -> _Cell:
+        weather = self._weathers.setdefault(region_of(evidence.cell), _Weather(WEATHERS, evidence.stamp))
+        return self._cells.setdefault(evidence.cell, _Cell(WEATHERS[:, None] * ROADS, evidence.stamp, weather))
+
     def _at(self, cell: _Cell, stamp: float) -> Array:
-        same = self._unchanged(cell.stamp, stamp)
-        return same * cell.density + (1.0 - same) * self._prior
+        """Return the probability of weather and friction of a cell at a time, (2, 90)."""
+        densities = roads_later(cell.densities, self._unchanged(cell.stamp, stamp))
+        chances = weather_later(cell.weather.chances, self._unchanged(cell.weather.stamp, stamp))
+        return np.asarray(densities * (chances / densities.sum(axis=1))[:, None])
 
     def _unchanged(self, since: float, stamp: float) -> float:
-        """Return the probability that a road has not changed between two times."""
-        later = max(stamp, since)
-        begun, ended = np.searchsorted(self._weather, (since, later), side="right").tolist()
-        return float(np.exp(-(later - since) / self._change)) * (1.0 - _WEATHER) ** (ended - begun)
+        """Return the probability that nothing was drawn anew between two times."""
+        return float(np.exp(-max(stamp - since, 0.0) / self._change))
 
     def _summary(self, number: int, density: Array, stamp: float) -> CellFriction:
         cumulated = np.cumsum(density)

@@ -22,10 +22,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--at", type=time_of, metavar="TIME", help="ISO 8601, UTC where it names no zone (default: last evidence)"
     )
     parser.add_argument(
-        "--change-time", type=positive, default=CHANGE_TIME, metavar="H", help="mean time between changes of a road [h]"
+        "--change-time",
+        type=positive,
+        default=CHANGE_TIME,
+        metavar="H",
+        help="mean time between changes of a road, and of the weather [h]",
     )
-    text = "rain or frost begins or ends: half of the roads may be others; repeatable"
-    parser.add_argument("--weather", type=time_of, action="append", default=[], metavar="TIME", help=text)
 
 
 def run(options: Namespace) -> int:
@@ -40,7 +42,7 @@ def run(options: Namespace) -> int:
     if not evidence:
         raise UserError(f"{options.dataset} has no evidence with a place: bags need a topic of sensor_msgs/NavSatFix")
     stamp = evidence[-1].stamp if options.at is None else options.at
-    road = FrictionMap(change_time=options.change_time, weather=options.weather)
+    road = FrictionMap(options.change_time)
     road.update_all(evidence)
     cells = list(road.at(stamp).values())
     options.out.mkdir(parents=True, exist_ok=True)

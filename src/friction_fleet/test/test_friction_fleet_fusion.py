@@ -71,15 +71,25 @@ def test_ice_is_found_and_forgotten_with_the_time_of_change() -> None:
     assert late.age == 20.0 * CHANGE_TIME * HOUR
 
 
-def test_rain_makes_a_dry_road_doubtful_at_once() -> None:
-    rain = 60.0
-    known, unknown = FrictionMap(weather=[rain]), FrictionMap()
-    for road in (known, unknown):
-        road.update_all([fit(1.05, stamp) for stamp in range(5)])
-    before, after = (known.at(rain + seconds)[HERE] for seconds in (-1.0, 1.0))
-    assert before == unknown.at(rain - 1.0)[HERE]
-    assert before.lower > 0.85
-    assert after.lower < 0.75 < 0.85 < unknown.at(rain + 1.0)[HERE].lower
+def test_rain_that_other_cells_tell_makes_a_dry_road_doubtful_and_leaves_snow() -> None:
+    snow, *others = (cell_of(48.1, 11.5 + 0.002 * k) for k in range(1, 12))
+    road = FrictionMap()
+    road.update_all([*(fit(1.05, cell=cell) for cell in others[:5]), fit(1.05), fit(0.25, cell=snow)])
+    begun = 0.1 * HOUR
+    dry = road.at(begun)
+    road.update_all(fit(0.75, begun, cell) for cell in others[5:])
+    wet = road.at(begun)
+    assert dry[HERE].lower > 0.85 > 0.75 > wet[HERE].lower
+    assert wet[HERE].slippery < 0.1
+    assert wet[snow].slippery > 0.8
+
+
+def test_wet_roads_of_another_region_say_nothing() -> None:
+    road = FrictionMap()
+    road.update(fit(1.05))
+    before = road.at(HOUR)[HERE]
+    road.update_all(fit(0.75, HOUR, cell_of(49.0, 11.5 + 0.002 * k)) for k in range(6))
+    assert road.at(HOUR)[HERE] == before
 
 
 def test_a_single_wrong_fit_does_not_stand_against_friction_in_use() -> None:

@@ -36,8 +36,6 @@ _WET, _SNOW, _ICE = 0.70, 0.25, 0.12
 RAIN = 6.0, 8.0
 """Hours between which it rains; each street dries 1 to 4 h after."""
 _FROST = 18.0
-WEATHER = tuple(START + 3600.0 * hour for hour in (*RAIN, _FROST))
-"""Changes of the weather that a forecast would have [s since 1970]."""
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ from rich.table import Table
 from friction_fleet.dataset import Dataset
 from friction_fleet.evidence import read_evidence
 from friction_fleet.simulation.town import Town
-from friction_fleet.study.drawn_evidence import drawn_evidence
+from friction_fleet.study.drawn_evidence import VALID, drawn_evidence
 from friction_fleet.study.engine_study import measure_engine
 from friction_fleet.study.map_study import judge
 from friction_fleet.study.town_truth import read_truth
-from friction_parameters.command_line import UserError, count
+from friction_parameters.command_line import UserError, count, not_negative
 
 _SECONDS = 120.0
 
@@ -28,6 +28,9 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--truth", type=Path, metavar="FILE", help="map: town.csv of `simulate`")
     parser.add_argument("--cars", type=count, default=20, help="drawn-map: cars")
     parser.add_argument("--drives", type=count, default=50, help="drawn-map: drives of each, of 2 minutes")
+    parser.add_argument(
+        "--valid", type=not_negative, default=VALID, help="drawn-map: share of passed peaks that are curves"
+    )
     parser.add_argument("--seed", type=int, default=0, help="drawn-map: same seed, same evidence")
     parser.add_argument("--bags", metavar="GLOB", help="engine: bags to process")
     parser.add_argument("--rounds", type=count, default=2, help="engine: the best of them counts")
@@ -59,7 +62,7 @@ def _judge(options: Namespace) -> list[dict[str, str | float]]:
     if options.what == "drawn-map":
         truth = options.out / "town.csv"
         Town(options.seed).write_truth(truth)
-        evidence = drawn_evidence(options.seed, options.cars, options.drives, _SECONDS)
+        evidence = drawn_evidence(options.seed, options.cars, options.drives, _SECONDS, options.valid)
     else:
         if not (options.dataset and options.truth):
             raise UserError("study map needs --dataset and --truth")

@@ -24,11 +24,13 @@ _USE = 0.05
 """Mean friction used between brakings."""
 _BIAS, _STDDEV = 0.02, 0.04
 """Error of the friction used, of a drive as it comes from the accelerometer, and the deviation that is stated."""
-_VALID, _FIT_ERROR = 0.5, 0.05
-"""Share of the passed peaks that become valid curves, and their deviation, relative, as they state it."""
+VALID = 0.5
+"""Share of the passed peaks that become valid curves."""
+_FIT_ERROR = 0.05
+"""Their deviation, relative, as they state it."""
 
 
-def drawn_evidence(seed: int, cars: int, drives: int, seconds: float) -> list[Evidence]:
+def drawn_evidence(seed: int, cars: int, drives: int, seconds: float, valid: float = VALID) -> list[Evidence]:
     """Draw the evidence of a fleet.
 
     Args:
@@ -36,17 +38,20 @@ def drawn_evidence(seed: int, cars: int, drives: int, seconds: float) -> list[Ev
         cars: number of cars, each with tyres of its own.
         drives: of each car, over a day.
         seconds: length of a drive [s].
+        valid: share of the passed peaks that become valid curves.
     """
     town, found = Town(seed), []
     rng = np.random.default_rng([seed, 25])
     tyres = np.exp(rng.normal(0.0, BETWEEN_TYRES, cars))
     for car, tyre in enumerate(tyres.tolist()):
         for _ in range(drives):
-            found += _drive(town, rng, f"car{car:03d}", tyre, seconds)
+            found += _drive(town, rng, f"car{car:03d}", tyre, seconds, valid)
     return sorted(found, key=lambda each: (each.stamp, each.cell, each.vehicle))
 
 
-def _drive(town: Town, rng: np.random.Generator, vehicle: str, tyre: float, seconds: float) -> list[Evidence]:
+def _drive(
+    town: Town, rng: np.random.Generator, vehicle: str, tyre: float, seconds: float, valid: float
+) -> list[Evidence]:
     bias = _BIAS * float(rng.normal())
     hour, length = float(rng.uniform(0.0, 23.9)), _SPEED * seconds
     way = town.route(rng, length)
@@ -68,7 +73,7 @@ def _drive(town: Town, rng: np.random.Generator, vehicle: str, tyre: float, seco
             uses[cell] = used, stamp
         if distance < until and demand > friction and not passed:
             passed = True
-            if rng.uniform() < _VALID:
+            if rng.uniform() < valid:
                 mu = friction * float(np.exp(_FIT_ERROR * rng.normal()))
                 fits[cell] = Evidence(cell, stamp, vehicle, mu, _FIT_ERROR * mu, True)
     bounds = [

@@ -10,7 +10,6 @@ import numpy as np
 
 from friction_fleet.evidence import Evidence
 from friction_fleet.fusion import BETWEEN_TYRES, SLIPPERY, WARNING, CellFriction, FrictionMap
-from friction_fleet.simulation.town import WEATHER
 from friction_fleet.study.town_truth import CellTruth
 
 _INTERVAL_90 = 1.645
@@ -64,7 +63,6 @@ class WeightedMean:
 
 MAPS: Mapping[str, Callable[[], RoadMap]] = {
     "filter, fits and bounds": FrictionMap,
-    "the same, weather known": lambda: FrictionMap(weather=WEATHER),
     "filter, fits alone": lambda: FrictionMap(use_bounds=False),
     "weighted mean of fits": WeightedMean,
 }
@@ -176,8 +174,9 @@ def _row(name: str, counts: _Counts) -> dict[str, str | float]:
         "upper over lower": float(np.median(counts.widths)) if counts.widths else float("nan"),
         "median error [%]": 100.0 * float(np.median(counts.errors)) if counts.errors else float("nan"),
         "slippery found in 5 passes [%]": mean(counts.found),
-        "of them with a fit [%]": mean(counts.found_with_fit),
+        "with a fit [%]": mean(counts.found_with_fit),
         "slippery cells": float(len(counts.found)),
+        "of them with a fit": float(len(counts.found_with_fit)),
         "false alarms [%]": mean(counts.alarms),
         "looks": float(counts.looks),
     }
