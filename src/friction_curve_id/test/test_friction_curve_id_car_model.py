@@ -13,12 +13,12 @@ from friction_curve_id.car.car_model import CarConstants, Carried, brake_gains, 
 from friction_curve_id.car.combined_slip import tyre_slips
 from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family, burckhardt_k, curve_values
 from friction_curve_id.car.evidence import mixture, reaching_up, unresolved
-from friction_curve_id.car.fit import CurveFit, WheelSpeedNoise
+from friction_curve_id.car.fit import CurveFit
 from friction_curve_id.car.node_signals import Start, delayed, departs, node_signals
 from friction_curve_id.car.pitch import PitchState, pitch_of_body
 from friction_curve_id.car.prior import car_prior
 from friction_curve_id.car.unknowns import FADING_WORK, SHARED, Unknown
-from friction_curve_id.car.wheel_equation import wheel_equation
+from friction_curve_id.car.wheel_equation import WheelSpeedNoise, wheel_equation
 from vehicle_models import burckhardt
 from vehicle_models.surfaces import SURFACES
 from vehicle_models.vehicle import STATED, Deviation, SharedBy

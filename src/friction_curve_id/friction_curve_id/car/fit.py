@@ -9,43 +9,33 @@ from math import inf, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dpttrf, dpttrs
+from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dpttrs
 
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
-from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion, recursion
+from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion
 from friction_curve_id.car.combined_slip import TyreSlips, tyre_slips
 from friction_curve_id.car.curve_family import Family
+from friction_curve_id.car.memory import Quadratic, forgotten, loosened, spread_by_load
 from friction_curve_id.car.node_signals import Start, delayed
 from friction_curve_id.car.prior import Prior
 from friction_curve_id.car.rear_slip import rear_slip
 from friction_curve_id.car.unknowns import OF_CURVE, OF_CURVES, Unknown
-from friction_curve_id.car.wheel_equation import WheelEquation, wheel_equation
+from friction_curve_id.car.wheel_equation import WheelEquation, WheelSpeedNoise, wheel_equation
 
 Array = NDArray[np.float64]
 
 LOAD_VARIATIONS = np.array([0.002, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
 """Values that the variation of the wheel load may take [-]."""
-_LOAD_CORRELATION = 0.02
 _DRIFTS = {Unknown.SLOPE: 0.1, Unknown.START_SPEED: 0.05, Unknown.CURVE_RATE: 0.004}
 """Standard deviation by which they leave the model within a second, in their units."""
 
 _LONGEST_OF_CURVE, _LONGEST = 0.4, 1.0
 """Longest step in ln mu_max and ln lambda_max, and of any other unknown, in deviations of its prior."""
+_LEAST_SCATTER = 1e-9
+"""Of the sum of the squared unknowns, where nothing is found."""
 _KEPT_OF_CAR = 0.25
 """Share of what is known of the car that is kept on another road: what the formula of the first left out is in it."""
-
-
-@dataclass(frozen=True)
-class Quadratic:
-    """0.5 d^T information d + gradient^T d, d = z - reference."""
-
-    information: Array
-    gradient: Array
-    reference: Array
-    spread: Array
-    """What the information has to grow by, as variance of its gradient: load noise is coloured, shape (P, P)."""
-    log_likelihood: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -62,17 +52,13 @@ class Linearised:
     """- ln likelihood, without constants."""
     moved: Motion
     tyres: TyreSlips
-    noise: "WheelSpeedNoise"
+    noise: WheelSpeedNoise
     white: Array
     """C^-1 of the Jacobian in z by the unknowns that act and, last, of the error, shape (W n, A + 1)."""
     acting: NDArray[np.int64]
     """Unknowns that move the wheel equations, shape (A,)."""
     of_node: Array
     """What each node adds to the cost of those before it, of all wheels, shape (n,)."""
-
-
-_LEAST_SCATTER = 1e-9
-"""Of the sum of the squared unknowns, where nothing is found."""
 
 
 class CurveFit:
@@ -162,7 +148,7 @@ class CurveFit:
         onward[:-1] += factors * white[1:, -1]
         of_node = 0.5 * (pivots * onward**2 + np.log(pivots)).reshape(error.shape).sum(axis=0)
         variation = LOAD_VARIATIONS[self.load_variation]
-        spread[among] = _spread(white[:, :-1], variation * np.sqrt(equation.load_variance), nodes.interval)
+        spread[among] = spread_by_load(white[:, :-1], variation * np.sqrt(equation.load_variance), nodes.interval)
         if self._balanced:
             inertia = self._car.inertia * np.exp(p[Unknown.LOG_INERTIA])
             of_torque = equation.jacobian[:, :, OF_TORQUE] * inertia[:, :, np.newaxis]
@@ -310,7 +296,7 @@ class CurveFit:
             return None
         return np.asarray(known[:, np.minimum(np.arange(count), known.shape[1] - 1)])
 
-    def _adapt(self, equation: WheelEquation, error: Array, noise: "WheelSpeedNoise") -> None:
+    def _adapt(self, equation: WheelEquation, error: Array, noise: WheelSpeedNoise) -> None:
         """Move the load variation towards the maximum of its likelihood: up by at most a step, down all the way.
 
         What a bad step of the fit makes it rise by would else make this family the less likely one for ten steps more.
@@ -329,83 +315,3 @@ class CurveFit:
         while here > 0 and (lower := cost(here - 1)) < least:
             here, least = here - 1, lower
         self.load_variation = here
-
-
-class WheelSpeedNoise:
-    """What the noise of the n + 1 wheel speeds about n nodes makes of e: by their difference and by the slip."""
-
-    def __init__(self, nodes: Nodes, by_wheel_speed: Array) -> None:
-        """`by_wheel_speed`: d e / d wheel speed at the node by the slip [1/s], shape (W, n)."""
-        self._variance = nodes.wheel_noise**2
-        per, half = 1.0 / nodes.interval, 0.5 * by_wheel_speed
-        self._by_before, self._by_after = half - per, half + per
-
-    def factorised(self, equation: WheelEquation, load_variation: float) -> tuple[Array, Array, float]:
-        """Factorise the covariance C of the errors, wheel after wheel; the last number is its log determinant."""
-        variance, before, after = self._variance, self._by_before, self._by_after
-        diagonal = equation.fixed_variance + load_variation**2 * equation.load_variance
-        diagonal += variance[:, 1:] * after**2 + variance[:, :-1] * before**2
-        off = np.zeros_like(diagonal)
-        off[:, :-1] = variance[:, 1:-1] * after[:, :-1] * before[:, 1:]
-        pivots, factors, info = dpttrf(diagonal.ravel(), off.ravel()[:-1])
-        if info != 0:
-            raise np.linalg.LinAlgError("the covariance is not positive definite")
-        return pivots, factors, float(np.log(pivots).sum())
-
-    def correction(self, white: Array) -> Array:
-        """Most likely corrections of the wheel speeds [rad/s], shape (W, n + 1).
-
-        `white`: C^-1 e, shape (W n,).
-        """
-        by_node = white.reshape(self._by_before.shape)
-        gradient = np.zeros_like(self._variance)
-        gradient[:, :-1] = self._by_before * by_node
-        gradient[:, 1:] += self._by_after * by_node
-        return np.asarray(-self._variance * gradient)
-
-
-def loosened(
-    information: Array, gradient: Array, spread: Array, step: Array, variance: float
-) -> tuple[Array, Array, Array]:
-    """Return the quadratic after z has moved along `step`, shape (P,), at random with this variance.
-
-    The second is its gradient, the third the variance of that by noise: what the noise makes of z stays as it is.
-    """
-    column = information @ step
-    return _along(information, gradient, spread, step, column * (variance / (1.0 + variance * float(column @ step))))
-
-
-def forgotten(information: Array, gradient: Array, spread: Array, index: int) -> tuple[Array, Array, Array]:
-    """Return the quadratic, and the variance of its gradient, for the others whatever unknown `index` is."""
-    column = information[:, index]
-    if not column[index] > 0.0:
-        return information, gradient, spread
-    step = np.zeros_like(gradient)
-    step[index] = 1.0
-    return _along(information, gradient, spread, step, column / column[index])
-
-
-def _along(information: Array, gradient: Array, spread: Array, step: Array, gain: Array) -> tuple[Array, Array, Array]:
-    """Return the quadratic less what it says along `step`, as far as `gain` goes, shape (P,) each."""
-    spread = spread - np.outer(gain, step @ spread)
-    spread = spread - np.outer(spread @ step, gain)
-    return information - np.outer(gain, information @ step), gradient - gain * float(gradient @ step), spread
-
-
-def _spread(white: Array, load_stddev: Array, interval: Array) -> Array:
-    """Variance of the gradient that is due to the correlation of the load noise, shape (P, P).
-
-    The load of a wheel varies below 15 Hz; noise with the correlation exp(-|t| / 0.02 s) has the covariance D R D.
-
-    Args:
-        white: C^-1 J, shape (W n, P).
-        load_stddev: D, standard deviation of e by the load [rad/s^2], shape (W, n).
-        interval: of the nodes [s], shape (n,).
-    """
-    wheels, n = load_stddev.shape
-    scaled = white.reshape(wheels, n, -1) * load_stddev[:, :, np.newaxis]
-    by_node = np.asfortranarray(scaled.transpose(1, 0, 2).reshape(n, -1))
-    keep = np.exp(-interval[1:] / _LOAD_CORRELATION)
-    earlier = recursion(keep, by_node) - by_node  # what correlates with each node before it
-    cross = by_node.reshape(n * wheels, -1).T @ earlier.reshape(n * wheels, -1)
-    return np.asarray(cross + cross.T)

@@ -14,6 +14,7 @@ from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dpttrf
 
 from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes, brake_gains, gains_by_fading
 from friction_curve_id.car.combined_slip import TyreSlips, across_gradient
@@ -162,3 +163,36 @@ def _mean_of_five(values: Array) -> Array:
     return np.asarray(
         (padded[:, :n] + padded[:, 1 : n + 1] + padded[:, 2 : n + 2] + padded[:, 3 : n + 3] + padded[:, 4:]) * 0.2
     )
+
+
+class WheelSpeedNoise:
+    """What the noise of the n + 1 wheel speeds about n nodes makes of e: by their difference and by the slip."""
+
+    def __init__(self, nodes: Nodes, by_wheel_speed: Array) -> None:
+        """`by_wheel_speed`: d e / d wheel speed at the node by the slip [1/s], shape (W, n)."""
+        self._variance = nodes.wheel_noise**2
+        per, half = 1.0 / nodes.interval, 0.5 * by_wheel_speed
+        self._by_before, self._by_after = half - per, half + per
+
+    def factorised(self, equation: WheelEquation, load_variation: float) -> tuple[Array, Array, float]:
+        """Factorise the covariance C of the errors, wheel after wheel; the last number is its log determinant."""
+        variance, before, after = self._variance, self._by_before, self._by_after
+        diagonal = equation.fixed_variance + load_variation**2 * equation.load_variance
+        diagonal += variance[:, 1:] * after**2 + variance[:, :-1] * before**2
+        off = np.zeros_like(diagonal)
+        off[:, :-1] = variance[:, 1:-1] * after[:, :-1] * before[:, 1:]
+        pivots, factors, info = dpttrf(diagonal.ravel(), off.ravel()[:-1])
+        if info != 0:
+            raise np.linalg.LinAlgError("the covariance is not positive definite")
+        return pivots, factors, float(np.log(pivots).sum())
+
+    def correction(self, white: Array) -> Array:
+        """Most likely corrections of the wheel speeds [rad/s], shape (W, n + 1).
+
+        `white`: C^-1 e, shape (W n,).
+        """
+        by_node = white.reshape(self._by_before.shape)
+        gradient = np.zeros_like(self._variance)
+        gradient[:, :-1] = self._by_before * by_node
+        gradient[:, 1:] += self._by_after * by_node
+        return np.asarray(-self._variance * gradient)
