@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from shutil import copytree, rmtree
 from typing import Any
@@ -23,6 +20,7 @@ from friction_fleet.cells import cell_of
 from friction_fleet.dataset import BOUNDS, BRAKINGS, RUN_COLUMNS, Dataset
 from friction_fleet.settings import Settings
 from friction_fleet.simulation.town import ORIGIN
+from friction_fleet.study.kill_study import kill, kill_with_all_below, processes_below
 from friction_fleet.task import OtherCodeError, Task, content_key, process
 
 PATIENCE = 300.0
@@ -146,19 +144,6 @@ signals:
     assert braking["cell"] is None
 
 
-def workers_of(pid: int) -> Iterator[int]:
-    """Yield the processes below one."""
-    for status in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = status.read_text().rpartition(")")[2].split()
-        except OSError:
-            continue
-        if int(fields[1]) == pid:
-            child = int(status.parent.name)
-            yield child
-            yield from workers_of(child)
-
-
 def test_killed_drivers_and_workers_lose_nothing(bags: Path, quiet: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "friction_fleet", "process", f"{bags}/*", "--out", str(tmp_path), "--workers", "2"]
     for victim in ("driver", "worker", ""):
@@ -167,12 +152,9 @@ def test_killed_drivers_and_workers_lose_nothing(bags: Path, quiet: Path, tmp_pa
         while victim and len(Dataset(str(tmp_path)).bags()) == before and child.poll() is None:
             assert time.monotonic() - begun < PATIENCE
             time.sleep(0.1)
-        below = list(workers_of(child.pid))
         if victim == "driver":
-            child.kill()
-            for pid in below:  # a machine that dies takes all of them
-                os.kill(pid, signal.SIGKILL)
-        elif victim == "worker" and below:
-            os.kill(max(below), signal.SIGKILL)
+            kill_with_all_below(child)
+        elif victim == "worker" and (below := list(processes_below(child.pid))):
+            kill(max(below))
         child.wait(PATIENCE)
     assert tables(tmp_path) == tables(quiet)

@@ -1,4 +1,4 @@
-"""`study`: judges a map against the truth of a generated town, and the engine by its throughput."""
+"""`study`: judges a map against the truth of a generated town, and the engine by its throughput and under kills."""
 
 from __future__ import annotations
 
@@ -14,16 +14,18 @@ from friction_fleet.evidence import read_evidence
 from friction_fleet.simulation.town import Town
 from friction_fleet.study.drawn_evidence import VALID, drawn_evidence
 from friction_fleet.study.engine_study import measure_engine
+from friction_fleet.study.kill_study import measure_kills
 from friction_fleet.study.map_study import judge
 from friction_fleet.study.town_truth import read_truth
-from friction_parameters.command_line import UserError, count, not_negative
+from friction_parameters.command_line import UserError, count, not_negative, positive
 
 _SECONDS = 120.0
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Describe the command line."""
-    parser.add_argument("what", choices=["map", "drawn-map", "engine"], help="tables; drawn evidence; bags a second")
+    text = "tables; drawn evidence; bags a second; tables with and without killed workers"
+    parser.add_argument("what", choices=["map", "drawn-map", "engine", "kills"], help=text)
     parser.add_argument("--dataset", metavar="URL", help="map: tables of the bags of `simulate`")
     parser.add_argument("--truth", type=Path, metavar="FILE", help="map: town.csv of `simulate`")
     parser.add_argument("--cars", type=count, default=20, help="drawn-map: cars")
@@ -31,8 +33,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--valid", type=not_negative, default=VALID, help="drawn-map: share of passed peaks that are curves"
     )
-    parser.add_argument("--seed", type=int, default=0, help="drawn-map: same seed, same evidence")
-    parser.add_argument("--bags", metavar="GLOB", help="engine: bags to process")
+    parser.add_argument(
+        "--seed", type=int, default=0, help="drawn-map: same seed, same evidence; kills: of the victims"
+    )
+    parser.add_argument("--bags", metavar="GLOB", help="engine, kills: bags to process")
+    parser.add_argument("--every", type=positive, default=30.0, metavar="S", help="kills: time between two of them")
     parser.add_argument("--rounds", type=count, default=2, help="engine: the best of them counts")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="for the rows as study.json")
 
@@ -44,10 +49,14 @@ def run(options: Namespace) -> int:
         UserError: options are missing, or there is no evidence.
     """
     options.out.mkdir(parents=True, exist_ok=True)
-    if options.what == "engine":
+    if options.what in ("engine", "kills"):
         if not options.bags:
-            raise UserError("study engine needs --bags")
-        rows = measure_engine(options.bags, options.out, options.rounds)
+            raise UserError(f"study {options.what} needs --bags")
+        rows = (
+            measure_engine(options.bags, options.out, options.rounds)
+            if options.what == "engine"
+            else measure_kills(options.bags, options.out, options.every, options.seed)
+        )
     else:
         rows = _judge(options)
     (options.out / "study.json").write_text(json.dumps({"rows": rows}, indent=1) + "\n", encoding="utf-8")
