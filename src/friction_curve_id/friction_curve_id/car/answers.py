@@ -24,6 +24,9 @@ _LARGEST_STDDEV = 0.25
 """Largest deviation of lambda_max that is valid, and of a mu_max that is known alone, as a share [-]."""
 _MOST_UNMEASURED = 0.03
 """Share of the friction along the wheels that a curve may take where nothing measures the motion across."""
+_OF_CURVE = [Unknown.CURVE, Unknown.CURVE_RATE]
+_SURE = 2.0
+"""Deviations by which a curve is at least as tight as it shows."""
 _BETWEEN_ROADS = 1.0
 """Deviation of ln lambda_max and ln mu_max while the newest friction is that of another road."""
 _SETTLED = 0.1
@@ -141,15 +144,18 @@ def _reason(braking: Braking, peak: Peak, time: float) -> tuple[Reason, str]:
 
 
 def _in_unmeasured_curve(braking: Braking, peak: Peak) -> bool:
-    """Return whether the wheels show a curve that takes much of the friction, and nothing measures it."""
+    """Return whether the wheels show a curve that surely takes much of the friction, and nothing measures it."""
     fit = braking.fits[int(np.argmax(peak.weights))]
     if braking.measured_across or fit.steps == 0:
         return False
     turned = float(fit.unknowns[Unknown.CURVE] + fit.unknowns[Unknown.CURVE_RATE] * fit.newest)
-    stddev = hypot(sqrt(fit.covariance[Unknown.CURVE, Unknown.CURVE]), SLIP_OFFSET_STDDEV)
-    leftward = turned * float(fit.moved.speed[-1]) ** 2 / braking.car.half_track
+    of_both = fit.covariance[np.ix_(_OF_CURVE, _OF_CURVE)]
+    now = np.array([1.0, fit.newest])
+    stddev = hypot(sqrt(max(float(now @ of_both @ now), 0.0)), SLIP_OFFSET_STDDEV)
+    least = max(abs(turned) - _SURE * stddev, 0.0)
+    leftward = least * float(fit.moved.speed[-1]) ** 2 / braking.car.half_track
     across = leftward / (ACROSS * GRAVITY * exp(peak.log_mu_max))
-    return abs(turned) > 2.0 * stddev and 0.5 * across**2 > _MOST_UNMEASURED
+    return 0.5 * across**2 > _MOST_UNMEASURED
 
 
 def _reason_of_lambda_max(peak: Peak, unresolved: float) -> tuple[Reason, str]:

@@ -5,7 +5,7 @@ prior in z = (unknown - mean) / stddev, with what older samples said as a quadra
 """
 
 from dataclasses import dataclass, replace
-from math import inf, log, sqrt
+from math import exp, inf, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ from friction_curve_id.car.prior import Prior
 from friction_curve_id.car.rear_slip import rear_slip
 from friction_curve_id.car.unknowns import OF_CURVE, OF_CURVES, Unknown
 from friction_curve_id.car.wheel_equation import WheelEquation, WheelSpeedNoise, wheel_equation
+from vehicle_models.constants import GRAVITY
+from vehicle_models.lateral_forces import ACROSS
 
 Array = NDArray[np.float64]
 
@@ -34,6 +36,8 @@ _LONGEST_OF_CURVE, _LONGEST = 0.4, 1.0
 """Longest step in ln mu_max and ln lambda_max, and of any other unknown, in deviations of its prior."""
 _LEAST_SCATTER = 1e-9
 """Of the sum of the squared unknowns, where nothing is found."""
+_OF_FRICTION = 0.5
+"""Standard deviation of a car's lateral acceleration while it brakes, over what the friction across allows [-]."""
 _KEPT_OF_CAR = 0.25
 """Share of what is known of the car that is kept on another road: what the formula of the first left out is in it."""
 
@@ -171,6 +175,9 @@ class CurveFit:
         information = at.information + past.information
         information[np.diag_indices(size)] += 1.0
         gradient = at.gradient + past.gradient + past.information @ offset + self.z
+        of_curve, curved = self._within_friction(nodes, at.moved)
+        information += np.outer(of_curve, of_curve)
+        gradient += curved * of_curve
         lower, info = dpotrf(information, lower=1)
         if info != 0:
             raise np.linalg.LinAlgError("the fit is not determined")
@@ -190,12 +197,12 @@ class CurveFit:
         inverse += inverse @ (at.spread + past.spread) @ inverse
         self.covariance = inverse * np.outer(sd, sd)
         before = float(offset @ (0.5 * past.information @ offset + past.gradient)) + 0.5 * float(self.z @ self.z)
-        self.cost = at.cost + before - past.log_likelihood
+        self.cost = at.cost + before + 0.5 * curved**2 - past.log_likelihood
         self.log_evidence = -self.cost - float(np.log(np.diag(lower)).sum())
         self._node_time, self._of_node = nodes.time, at.of_node
-        of_curve = np.abs(move[:2] * sd[:2])
-        self.unsettled = float(of_curve[Unknown.LOG_MU_MAX])
-        curve = float(of_curve.max())
+        of_peak = np.abs(move[:2] * sd[:2])
+        self.unsettled = float(of_peak[Unknown.LOG_MU_MAX])
+        curve = float(of_peak.max())
         longest = max(curve / _LONGEST_OF_CURVE, float(np.abs(move[2:]).max()) / _LONGEST, 1.0)
         move /= longest
         self.promise = -float(gradient @ move + 0.5 * move @ information @ move)
@@ -213,6 +220,21 @@ class CurveFit:
         self.moved, self.tyres = at.moved, at.tyres
         self._across = at.tyres.across
         return curve
+
+    def _within_friction(self, nodes: Nodes, moved: Motion) -> tuple[Array, float]:
+        """Return a row in z and its residual: a lateral acceleration that nothing measures is within the friction.
+
+        What the wheels show of it grows without bounds where they are all near the peak, for there no slip is known.
+        """
+        p, sd, row = self.unknowns, self._prior.stddev, np.zeros_like(self.z)
+        if sd[Unknown.LOG_ACROSS] > 0.0 or not sd[Unknown.CURVE] > 0.0:
+            return row, 0.0
+        time, speed = float(nodes.time[-1]), float(moved.speed[-1])
+        most = ACROSS * GRAVITY * exp(float(p[Unknown.LOG_MU_MAX]))
+        per_curve = speed**2 / self._car.half_track / (_OF_FRICTION * most)
+        row[Unknown.CURVE] = per_curve * sd[Unknown.CURVE]
+        row[Unknown.CURVE_RATE] = per_curve * time * sd[Unknown.CURVE_RATE]
+        return row, per_curve * float(p[Unknown.CURVE] + time * p[Unknown.CURVE_RATE])
 
     def begin_at(self, other: "CurveFit") -> None:
         """Go where the fit of another formula is, with a shape of the prior: this one has gone astray."""
