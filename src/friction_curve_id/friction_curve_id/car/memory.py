@@ -1,4 +1,4 @@
-"""Memory of a fit: what nodes that have left the window said, as a quadratic in z, and how it is forgotten."""
+"""Memory of a fit: a quadratic in z for the nodes that have left the window, and how it fades."""
 
 from dataclasses import dataclass
 
