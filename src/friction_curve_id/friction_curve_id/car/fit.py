@@ -282,7 +282,7 @@ class CurveFit:
                 step[unknown] = 1.0 / sd[unknown]
                 if unknown is Unknown.CURVE_RATE:  # the curve until now stays as it is
                     step[Unknown.CURVE] = -float(nodes.time[number]) / sd[Unknown.CURVE]
-                information, gradient, spread = loosened(information, gradient, spread, step, rate**2 * duration)
+                information, gradient = loosened(information, gradient, step, rate**2 * duration)
         self.past = Quadratic(information, gradient, self.z.copy(), spread, likelihood)
         self._carry(nodes, number)
 

@@ -25,15 +25,16 @@ class Quadratic:
     log_likelihood: float = 0.0
 
 
-def loosened(
-    information: Array, gradient: Array, spread: Array, step: Array, variance: float
-) -> tuple[Array, Array, Array]:
+def loosened(information: Array, gradient: Array, step: Array, variance: float) -> tuple[Array, Array]:
     """Return the quadratic after z has moved along `step`, shape (P,), at random with this variance.
 
-    The second is its gradient, the third the variance of that by noise: what the noise makes of z stays as it is.
+    The variance of its gradient by noise is left as it is, and so weighs more where less is known. Transformed as in
+    `forgotten` it would be exact for these drifts alone, and there are more: the slips of random cars were then within
+    their 95 % intervals in 59 % of an ABS stop on wet.
     """
     column = information @ step
-    return _along(information, gradient, spread, step, column * (variance / (1.0 + variance * float(column @ step))))
+    gain = column * (variance / (1.0 + variance * float(column @ step)))
+    return information - np.outer(gain, column), gradient - gain * float(gradient @ step)
 
 
 def forgotten(information: Array, gradient: Array, spread: Array, index: int) -> tuple[Array, Array, Array]:
@@ -41,16 +42,10 @@ def forgotten(information: Array, gradient: Array, spread: Array, index: int) ->
     column = information[:, index]
     if not column[index] > 0.0:
         return information, gradient, spread
-    step = np.zeros_like(gradient)
-    step[index] = 1.0
-    return _along(information, gradient, spread, step, column / column[index])
-
-
-def _along(information: Array, gradient: Array, spread: Array, step: Array, gain: Array) -> tuple[Array, Array, Array]:
-    """Return the quadratic less what it says along `step`, as far as `gain` goes, shape (P,) each."""
-    spread = spread - np.outer(gain, step @ spread)
-    spread = spread - np.outer(spread @ step, gain)
-    return information - np.outer(gain, information @ step), gradient - gain * float(gradient @ step), spread
+    gain = column / column[index]
+    spread = spread - np.outer(gain, spread[index])
+    spread = spread - np.outer(spread[:, index], gain)
+    return information - np.outer(gain, column), gradient - gain * gradient[index], spread
 
 
 def spread_by_load(white: Array, load_stddev: Array, interval: Array) -> Array:
