@@ -204,7 +204,7 @@ def _chosen(cars: Sequence[str], surfaces: Sequence[str], cases: Sequence[str]) 
 
 
 def _changes(car: str, case: Perturbation) -> Sequence[str]:
-    if case is not NONE:
+    if case != NONE:
         return ()
     return CHANGES if car == CORNER_ALONE else CAR_CHANGES
 
@@ -217,7 +217,7 @@ def _made(car: str, law: str, seeds: int, road: str, case: Perturbation, judged:
     if car == CORNER_ALONE:
         found, bound = law_stops(road, drawn, law, case), actuator_bound(road, case)
         limit = _least(road, case, bound)
-        failures = _failures(found, limit) + (_undisturbed(road, found) if case is NONE else [])
+        failures = _failures(found, limit) + (_undisturbed(road, found) if case == NONE else [])
         extra = {
             "ideal_controller": float(ideal_controller(road, case).utilisation[0]),
             "distance_over_ideal": float(found.distance.mean()) / _ideal(road, case),
@@ -225,7 +225,7 @@ def _made(car: str, law: str, seeds: int, road: str, case: Perturbation, judged:
     else:
         setup = CarSetup(road, case)
         found, bound = car_stops(setup, drawn, law), car_bound(setup)
-        limit = bound.utilisation - (_CAR_BELOW_BOUND if case is NONE else _BELOW_BOUND).get(road, 0.01)
+        limit = bound.utilisation - (_CAR_BELOW_BOUND if case == NONE else _BELOW_BOUND).get(road, 0.01)
         failures = _failures(found, limit, max(LOCK_TIME, bound.longest_lock + _NOTICED))
         extra = {"bound_longest_lock_s": bound.longest_lock} if road in CAR_CHANGES else {}
     return {
@@ -291,7 +291,7 @@ def _ideal(road: str, case: Perturbation) -> float:
 
 def _least(road: str, case: Perturbation, bound: ActuatorBound) -> float:
     """Return the least mean utilisation of a row."""
-    if case is NONE:
+    if case == NONE:
         return _UTILISATION[road]
     if (road, case.name) in _LEAST:
         return _LEAST[road, case.name]
