@@ -2,12 +2,12 @@
 
 Each cell has a density of x, the friction of the road for a median tyre, and of w, the weather of its region; the
 region has its own of w, which all its cells share. Between observations the road is drawn anew, at a mean time T, and
-the weather likewise (roads_later). With s the deviation of ln x by measurement and tyre, and c constants:
+the weather likewise (roads_later). With s the deviation of ln x by measurement and tyre:
 
     p(x,w) <- p(x,w) P(w) / sum_x p(x,w)               what the other cells of the region have told of the weather
     p(x,w) <- p(x,w) ((1 - e) N(ln m; ln x, s) + e / R)          a fit m; R is the range of ln x
     p(x,w) <- p(x,w) ((1 - e) Phi((ln x - ln u) / s) + e)        friction u that was proven: the road has at least this
-    P(w)   <- c sum_x p(x,w)
+    P(w)   <- sum_x p(x,w), normalised
 
 u is the friction in use less 2.58 standard deviations. Proofs of one car are not repeated evidence, as its tyres are
 the same: a smaller one counts at a time T after the last. That a pass uses little is no evidence either: a place where

@@ -17,10 +17,10 @@ pytest.importorskip("h3")
 
 from friction_fleet.__main__ import main
 from friction_fleet.cells import cell_of
-from friction_fleet.dataset import BOUNDS, BRAKINGS, RUN_COLUMNS, Dataset
+from friction_fleet.dataset import RUN_COLUMNS, Dataset
 from friction_fleet.settings import Settings
 from friction_fleet.simulation.town import ORIGIN
-from friction_fleet.study.kill_study import kill, kill_with_all_below, processes_below
+from friction_fleet.study.kill_study import content, kill, kill_with_all_below, processes_below
 from friction_fleet.task import OtherCodeError, Task, content_key, process
 
 PATIENCE = 300.0
@@ -40,9 +40,7 @@ def quiet(bags: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def tables(out: Path) -> dict[str, Any]:
     """All rows of a dataset, without what is of the run."""
-    dataset = Dataset(str(out))
-    rows = [{name: row[name] for name in row if name not in (*RUN_COLUMNS, "file_stamp")} for row in dataset.bags()]
-    return {"bags": rows, **{name: dataset.table(name).to_pylist() for name in (BRAKINGS, BOUNDS)}}
+    return content(out, (*RUN_COLUMNS, "file_stamp"))
 
 
 def test_a_drive_has_rows_with_places(quiet: Path) -> None:

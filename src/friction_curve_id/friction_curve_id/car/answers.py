@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.braking import EARLIEST_VALID, Braking
+from friction_curve_id.car.combined_slip import share_across
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
 from friction_curve_id.car.evidence import UNRESOLVED_HEIGHT, Peak, doubt, reaching_up
 from friction_curve_id.car.fit import LOAD_VARIATIONS
@@ -14,8 +15,6 @@ from friction_curve_id.car.prior import SLIP_OFFSET_STDDEV
 from friction_curve_id.car.tyre_deviations import LAMBDA_MAX, mu_max_deviations
 from friction_curve_id.car.unknowns import Unknown
 from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, RestartCause
-from vehicle_models.constants import GRAVITY
-from vehicle_models.lateral_forces import ACROSS
 from vehicle_models.reason import Reason
 
 Array = NDArray[np.float64]
@@ -153,8 +152,7 @@ def _in_unmeasured_curve(braking: Braking, peak: Peak) -> bool:
     now = np.array([1.0, fit.newest])
     stddev = hypot(sqrt(max(float(now @ of_both @ now), 0.0)), SLIP_OFFSET_STDDEV)
     least = max(abs(turned) - _SURE * stddev, 0.0)
-    leftward = least * float(fit.moved.speed[-1]) ** 2 / braking.car.half_track
-    across = leftward / (ACROSS * GRAVITY * exp(peak.log_mu_max))
+    across = share_across(least, float(fit.moved.speed[-1]), braking.car, exp(peak.log_mu_max))
     return 0.5 * across**2 > _MOST_UNMEASURED
 
 

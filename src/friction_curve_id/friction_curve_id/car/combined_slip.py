@@ -18,7 +18,7 @@ from friction_curve_id.car.curve_family import CurveValues, Family, curve_values
 from friction_curve_id.car.pitch import PITCH_UNKNOWNS
 from friction_curve_id.car.unknowns import OF_CURVE, SHARED, Unknown
 from vehicle_models.constants import GRAVITY
-from vehicle_models.lateral_forces import FORCE_STDDEV
+from vehicle_models.lateral_forces import ACROSS, FORCE_STDDEV
 
 Array = NDArray[np.float64]
 
@@ -137,6 +137,18 @@ def tyre_slips(
 def turns(car: CarConstants, nodes: Nodes, mu_max: float) -> bool:
     """Whether the tyres use so much of their friction across that it matters along."""
     return bool(car.partner) and float(np.abs(nodes.rolled).max()) > _STRAIGHT * mu_max * GRAVITY
+
+
+def share_across(curve: float, speed: float, car: CarConstants, mu_max: float) -> float:
+    """Return the lateral acceleration in a curve over what the friction across allows [-].
+
+    Args:
+        curve: half the track over the radius of the path [-].
+        speed: of the car [m/s].
+        car: nominal values.
+        mu_max: friction along.
+    """
+    return curve * speed**2 / car.half_track / (ACROSS * GRAVITY * mu_max)
 
 
 def shows_friction(tyres: TyreSlips, mu_max: float) -> NDArray[np.bool_] | bool:

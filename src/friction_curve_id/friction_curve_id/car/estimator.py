@@ -160,7 +160,7 @@ class CarEstimator:
             self._gathered_turn = np.zeros(len(index))
         if float((self._radii[index] * speed).max()) < self._p.minimum_speed and not self._braking:
             return Refusal(Reason.LOW_SPEED, f"waiting for a speed above {self._p.minimum_speed} m/s")
-        self._watch_brakes(sample.time, braking_by, speed)
+        self._watch_brakes(sample.time, braking_by, speed, turned)
         if not self._braking:
             if self._unknown_start:
                 return Refusal(Reason.NO_EXCITATION, "waiting for the next braking: the speed before this is unknown")
@@ -187,12 +187,12 @@ class CarEstimator:
         self._lateral.update(interval, car_speed, sample.yaw_rate, sample.leftward, self._braking is not None)
         self._samples.turn(sample.yaw_rate, sample.leftward, self._lateral.turned, self._lateral.rolled)
 
-    def _watch_brakes(self, time: float, braking_by: float, speed: Array) -> None:
-        """Begin and end brakings."""
+    def _watch_brakes(self, time: float, braking_by: float, speed: Array, turned: bool) -> None:
+        """Begin and end brakings; `turned`: the motion across the car is measured."""
         if not self._braking and not self._unknown_start:
             if braking_by > _BRAKES:
                 if time - self._samples.time[0] >= _LEAST_BEFORE and self._samples.count >= 5:
-                    self._begin_braking(time)
+                    self._begin_braking(time, turned)
                 else:
                     self._unknown_start = True
             return
@@ -208,10 +208,8 @@ class CarEstimator:
         if released_for > _RELEASE_TIME and not comes_back:
             self._begin_again(self._present)
 
-    def _begin_braking(self, time: float) -> None:
+    def _begin_braking(self, time: float, turned: bool) -> None:
         self._samples.close_throttle(time - _LIFT)
-        last = self._last
-        turned = last is not None and isfinite(last.yaw_rate)
         self._braking = Braking(
             self._vehicle,
             self._p,
@@ -221,5 +219,5 @@ class CarEstimator:
             time,
             self._lateral,
             self._with_accelerometer,
-            turned and bool(self._car.partner) and self._with_accelerometer,
+            turned,
         )

@@ -14,7 +14,7 @@ from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dpttrs
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
 from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion
-from friction_curve_id.car.combined_slip import TyreSlips, tyre_slips
+from friction_curve_id.car.combined_slip import TyreSlips, share_across, tyre_slips
 from friction_curve_id.car.curve_family import Family
 from friction_curve_id.car.memory import Quadratic, forgotten, loosened, spread_by_load
 from friction_curve_id.car.node_signals import Start, delayed
@@ -22,8 +22,6 @@ from friction_curve_id.car.prior import Prior
 from friction_curve_id.car.rear_slip import rear_slip
 from friction_curve_id.car.unknowns import OF_CURVE, OF_CURVES, Unknown
 from friction_curve_id.car.wheel_equation import WheelEquation, WheelSpeedNoise, wheel_equation
-from vehicle_models.constants import GRAVITY
-from vehicle_models.lateral_forces import ACROSS
 
 Array = NDArray[np.float64]
 
@@ -230,8 +228,7 @@ class CurveFit:
         if sd[Unknown.LOG_ACROSS] > 0.0 or not sd[Unknown.CURVE] > 0.0:
             return row, 0.0
         time, speed = float(nodes.time[-1]), float(moved.speed[-1])
-        most = ACROSS * GRAVITY * exp(float(p[Unknown.LOG_MU_MAX]))
-        per_curve = speed**2 / self._car.half_track / (_OF_FRICTION * most)
+        per_curve = share_across(1.0, speed, self._car, exp(float(p[Unknown.LOG_MU_MAX]))) / _OF_FRICTION
         row[Unknown.CURVE] = per_curve * sd[Unknown.CURVE]
         row[Unknown.CURVE_RATE] = per_curve * time * sd[Unknown.CURVE_RATE]
         return row, per_curve * float(p[Unknown.CURVE] + time * p[Unknown.CURVE_RATE])

@@ -49,22 +49,21 @@ def run(options: Namespace) -> int:
         UserError: options are missing, or there is no evidence.
     """
     options.out.mkdir(parents=True, exist_ok=True)
-    if options.what in ("engine", "kills"):
-        if not options.bags:
-            raise UserError(f"study {options.what} needs --bags")
-        rows = (
-            measure_engine(options.bags, options.out, options.rounds)
-            if options.what == "engine"
-            else measure_kills(options.bags, options.out, options.every, options.seed)
-        )
-    else:
-        rows = _judge(options)
+    rows = _measure(options) if options.what in ("engine", "kills") else _judge(options)
     (options.out / "study.json").write_text(json.dumps({"rows": rows}, indent=1) + "\n", encoding="utf-8")
     table = Table(*rows[0], box=None)
     for row in rows:
         table.add_row(*(each if isinstance(each, str) else f"{each:.4g}" for each in row.values()))
     Console(width=240).print(table)
     return 0
+
+
+def _measure(options: Namespace) -> list[dict[str, str | float]]:
+    if not options.bags:
+        raise UserError(f"study {options.what} needs --bags")
+    if options.what == "engine":
+        return measure_engine(options.bags, options.out, options.rounds)
+    return measure_kills(options.bags, options.out, options.every, options.seed)
 
 
 def _judge(options: Namespace) -> list[dict[str, str | float]]:

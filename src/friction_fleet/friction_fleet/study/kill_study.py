@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import suppress
 from pathlib import Path
 from random import Random
@@ -108,7 +108,7 @@ def _row(
         "seconds": seconds,
         "workers killed": float(worker_kills),
         "drivers killed": float(driver_kills),
-        "tables equal those of the quiet run": str(_content(tables) == _content(quiet)),
+        "tables equal those of the quiet run": str(content(tables, RUN_COLUMNS) == content(quiet, RUN_COLUMNS)),
         "smallest worker [MB]": min(
             (row["memory_mb"] or 0.0 for row in rows if row["status"] not in FAILED), default=0.0
         ),
@@ -116,8 +116,8 @@ def _row(
     }
 
 
-def _content(tables: Path) -> dict[str, Any]:
-    """Return all rows, without what is of the run."""
+def content(tables: Path, without: Collection[str]) -> dict[str, Any]:
+    """Return all rows, those of the bags without some columns."""
     dataset = Dataset(str(tables))
-    rows = [{name: row[name] for name in row if name not in RUN_COLUMNS} for row in dataset.bags()]
+    rows = [{name: row[name] for name in row if name not in without} for row in dataset.bags()]
     return {"bags": rows, **{name: dataset.table(name).to_pylist() for name in (BRAKINGS, BOUNDS)}}
