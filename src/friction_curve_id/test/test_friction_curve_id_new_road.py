@@ -103,19 +103,16 @@ def test_a_bump_is_none() -> None:
 
 def test_the_forgotten_is_as_if_it_had_never_been_known() -> None:
     random = np.random.default_rng(3)
-    root, spread = random.normal(size=(4, 4)), random.normal(size=(4, 4))
+    root = random.normal(size=(4, 4))
     information, gradient = root @ root.T + np.eye(4), random.normal(size=4)
-    left, slope, variance = forgotten(information, gradient, spread @ spread.T, 1)
+    left, slope = forgotten(information, gradient, 1)
     others = [0, 2, 3]
     covariance = np.linalg.inv(information)
     assert np.linalg.inv(left[np.ix_(others, others)]) == pytest.approx(covariance[np.ix_(others, others)])
     at = -np.linalg.solve(information, gradient)
     assert -np.linalg.solve(left[np.ix_(others, others)], slope[others]) == pytest.approx(at[others])
-    assert np.abs([left[1], left[:, 1], variance[1], variance[:, 1]]).max() < 1e-12
+    assert np.abs([left[1], left[:, 1]]).max() < 1e-12
     assert abs(slope[1]) < 1e-12
-    inverse = np.linalg.inv(left[np.ix_(others, others)])
-    whole = (covariance @ spread @ spread.T @ covariance)[np.ix_(others, others)]
-    assert inverse @ variance[np.ix_(others, others)] @ inverse == pytest.approx(whole)
 
 
 def test_a_drift_adds_its_own_variance() -> None:

@@ -9,27 +9,29 @@ from math import exp, inf, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dpttrs
+from scipy.linalg.lapack import dpotrf, dpotri, dpotrs
 
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
 from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion
 from friction_curve_id.car.combined_slip import TyreSlips, share_across, tyre_slips
 from friction_curve_id.car.curve_family import Family
-from friction_curve_id.car.memory import Quadratic, forgotten, loosened, spread_by_load
+from friction_curve_id.car.memory import Quadratic, forgotten, loosened
 from friction_curve_id.car.node_signals import Start, delayed
 from friction_curve_id.car.prior import Prior
 from friction_curve_id.car.rear_slip import rear_slip
 from friction_curve_id.car.unknowns import OF_CURVE, OF_CURVES, Unknown
-from friction_curve_id.car.wheel_equation import WheelEquation, WheelSpeedNoise, wheel_equation
+from friction_curve_id.car.wheel_equation import EquationNoise, wheel_equation
 
 Array = NDArray[np.float64]
 
-LOAD_VARIATIONS = np.array([0.002, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
+LOAD_VARIATIONS = np.array([0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
 """Values that the variation of the wheel load may take [-]."""
-_DRIFTS = {Unknown.SLOPE: 0.1, Unknown.START_SPEED: 0.05, Unknown.CURVE_RATE: 0.004}
+_DRIFTS = {Unknown.SLOPE: 0.3, Unknown.START_SPEED: 0.05, Unknown.CURVE_RATE: 0.004}
 """Standard deviation by which they leave the model within a second, in their units."""
 
+_OF_START = [Unknown.START_SPEED]
+"""Unknowns whose prior is that of the start of a braking: what drifts since takes them along."""
 _LONGEST_OF_CURVE, _LONGEST = 0.4, 1.0
 """Longest step in ln mu_max and ln lambda_max, and of any other unknown, in deviations of its prior."""
 _LEAST_SCATTER = 1e-9
@@ -48,15 +50,15 @@ class Linearised:
     """Matrix in z, shape (P, P)."""
     gradient: Array
     """Shape (P,)."""
-    spread: Array
-    """Variance of the gradient by the colour of the load noise, shape (P, P)."""
     cost: float
     """- ln likelihood, without constants."""
     moved: Motion
     tyres: TyreSlips
-    noise: WheelSpeedNoise
+    noise: EquationNoise
+    factor: Array
+    """Of the covariance of the errors."""
     white: Array
-    """C^-1 of the Jacobian in z by the unknowns that act and, last, of the error, shape (W n, A + 1)."""
+    """Jacobian in z by the unknowns that act and, last, the error, whitened, shape (W n, A + 1)."""
     acting: NDArray[np.int64]
     """Unknowns that move the wheel equations, shape (A,)."""
     of_node: Array
@@ -73,14 +75,16 @@ class CurveFit:
         self._torque_stddev, self._balanced = torque_stddev, balanced
         self._curving = np.flatnonzero(prior.stddev > 0.0)
         self._acting = self._curving[~np.isin(self._curving, OF_CURVES)]
+        self._lasting = np.ones(prior.mean.size)
+        self._lasting[_OF_START] = 0.0
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         n = self._prior.mean.size
         self.z = np.zeros(n)
-        self.load_variation = 4
-        self.past = Quadratic(np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros((n, n)))
+        self.load_variation = 2
+        self.past = self._of_start()
         self.covariance = np.diag(self._prior.stddev**2)
         self.log_evidence = 0.0
         self._node_time = self._of_node = np.zeros(0)
@@ -107,7 +111,7 @@ class CurveFit:
 
         Each is in deviations of its prior; what is found of them has the covariance I - S, S: that of what is left.
         """
-        return (float(self.z @ self.z) - self._expected) / self._scatter
+        return (float(self.z @ (self._lasting * self.z)) - self._expected) / self._scatter
 
     @property
     def newest(self) -> float:
@@ -129,28 +133,25 @@ class CurveFit:
         torque, rate = delayed(samples, nodes, start, float(p[Unknown.PRESSURE_DELAY]))
         tyres = tyre_slips(self._car, nodes, moved, torque, self.family, p, across)
         equation = wheel_equation(self._car, nodes, moved, torque, rate, tyres, p, self._torque_stddev)
-        noise = WheelSpeedNoise(nodes, equation.by_wheel_speed)
         error = equation.error - equation.by_wheel_speed * correction
+        noise = EquationNoise(nodes, equation, self.carried.slip is not None)
         if adapt:
-            self._adapt(equation, error, noise)
-        pivots, factors, log_determinant = noise.factorised(equation, LOAD_VARIATIONS[self.load_variation])
+            self._adapt(noise, error)
+        factor = noise.factor(LOAD_VARIATIONS[self.load_variation])
         size, acting = p.size, self._curving if tyres.across is not None else self._acting
-        columns = np.empty((equation.error.size, acting.size + 1), order="F")
+        columns = np.empty((error.size, acting.size + 1), order="F")
         jacobian = equation.jacobian.reshape(-1, size)
         for column, unknown in enumerate(acting):
             np.multiply(jacobian[:, unknown], sd[unknown], out=columns[:, column])
         columns[:, -1] = error.ravel()
-        white, _ = dpttrs(pivots, factors, columns)
-        products = columns.T @ white
-        full, spread = np.zeros((size, size + 1)), np.zeros((size, size))
+        white = noise.whitened(factor, columns)
+        products = white.T @ white
+        full = np.zeros((size, size + 1))
         among = np.ix_(acting, acting)
         full[among], full[acting, size] = products[:-1, :-1], products[:-1, -1]
-        cost = 0.5 * float(products[-1, -1]) + 0.5 * log_determinant
-        onward = white[:, -1].copy()
-        onward[:-1] += factors * white[1:, -1]
-        of_node = 0.5 * (pivots * onward**2 + np.log(pivots)).reshape(error.shape).sum(axis=0)
-        variation = LOAD_VARIATIONS[self.load_variation]
-        spread[among] = spread_by_load(white[:, :-1], variation * np.sqrt(equation.load_variance), nodes.interval)
+        each = 0.5 * white[:, -1] ** 2 + np.log(factor[0])
+        cost = float(each.sum())
+        of_node = each.reshape(error.shape).sum(axis=0)
         if self._balanced:
             inertia = self._car.inertia * np.exp(p[Unknown.LOG_INERTIA])
             of_torque = equation.jacobian[:, :, OF_TORQUE] * inertia[:, :, np.newaxis]
@@ -162,7 +163,7 @@ class CurveFit:
             full[:, :size] += rows.T @ rows
             full[:, size] += rows.T @ errors
             cost += 0.5 * float(errors @ errors)
-        return Linearised(full[:, :size], full[:, size], spread, cost, moved, tyres, noise, white, acting, of_node)
+        return Linearised(full[:, :size], full[:, size], cost, moved, tyres, noise, factor, white, acting, of_node)
 
     def step(self, samples: BrakingSamples, nodes: Nodes, start: Start) -> float:
         """Make a Gauss-Newton step; return its length in ln lambda_max and ln mu_max."""
@@ -171,8 +172,8 @@ class CurveFit:
         past = self.past
         offset = self.z - past.reference
         information = at.information + past.information
-        information[np.diag_indices(size)] += 1.0
-        gradient = at.gradient + past.gradient + past.information @ offset + self.z
+        information[np.diag_indices(size)] += self._lasting
+        gradient = at.gradient + past.gradient + past.information @ offset + self._lasting * self.z
         of_curve, curved = self._within_friction(nodes, at.moved)
         information += np.outer(of_curve, of_curve)
         gradient += curved * of_curve
@@ -188,15 +189,13 @@ class CurveFit:
         inverse, _ = dpotri(lower, lower=1)
         inverse = np.tril(inverse) + np.tril(inverse, -1).T
         sd = self._prior.stddev
-        found = np.eye(size) - inverse
+        found = (np.eye(size) - inverse) * self._lasting
         self._expected = float(np.trace(found))
         # Where no node tells anything any more, unknowns that are still off are a surprise.
         self._scatter = max(sqrt(2.0 * float((found * found).sum())), _LEAST_SCATTER)
-        inverse += inverse @ (at.spread + past.spread) @ inverse
         self.covariance = inverse * np.outer(sd, sd)
-        before = float(offset @ (0.5 * past.information @ offset + past.gradient)) + 0.5 * float(self.z @ self.z)
+        before = float(offset @ (0.5 * past.information @ offset + past.gradient)) + 0.5 * float(self.z @ (self._lasting * self.z))
         self.cost = at.cost + before + 0.5 * curved**2 - past.log_likelihood
-        self.log_evidence = -self.cost - float(np.log(np.diag(lower)).sum())
         self._node_time, self._of_node = nodes.time, at.of_node
         of_peak = np.abs(move[:2] * sd[:2])
         self.unsettled = float(of_peak[Unknown.LOG_MU_MAX])
@@ -204,6 +203,7 @@ class CurveFit:
         longest = max(curve / _LONGEST_OF_CURVE, float(np.abs(move[2:]).max()) / _LONGEST, 1.0)
         move /= longest
         self.promise = -float(gradient @ move + 0.5 * move @ information @ move)
+        self.log_evidence = self.promise - self.cost - float(np.log(np.diag(lower)).sum())
         # Steps that turn back overshoot: damp them.
         last = self._last_move
         lengths = float(np.sqrt((move @ move) * (last @ last)))
@@ -213,7 +213,7 @@ class CurveFit:
             self._damping = 0.0
         self._last_move = move
         self.z = self.z + move
-        self._correction = at.noise.correction(at.white[:, -1] + at.white[:, :-1] @ move[at.acting])
+        self._correction = at.noise.correction(at.factor, at.white[:, -1] + at.white[:, :-1] @ move[at.acting])
         self.steps += 1
         self.moved, self.tyres = at.moved, at.tyres
         self._across = at.tyres.across
@@ -250,14 +250,14 @@ class CurveFit:
         past, prior = self.past, self._prior
         kept = _KEPT_OF_CAR
         gradient = kept * (past.gradient + past.information @ (self.z - past.reference))
-        information, spread = kept * past.information, kept * past.spread
+        information = kept * past.information
         reference = self.z
         self.z = self.z.copy()
         for unknown in range(OF_CURVE.stop):
-            information, gradient, spread = forgotten(information, gradient, spread, unknown)
+            information, gradient = forgotten(information, gradient, unknown)
             self.z[unknown] = 0.0
         # What the forgotten said of the families' odds was said of another road.
-        self.past = Quadratic(information, gradient, reference, spread)
+        self.past = Quadratic(information, gradient, reference)
         mean, stddev = float(prior.mean[Unknown.LOG_MU_MAX]), float(prior.stddev[Unknown.LOG_MU_MAX])
         self.z[Unknown.LOG_MU_MAX] = (log(mu) - mean) / stddev
         self._last_move = np.zeros_like(self.z)
@@ -271,23 +271,29 @@ class CurveFit:
         said = float(offset @ (0.5 * past.information @ offset + past.gradient))
         likelihood = memory * (past.log_likelihood - said) - at.cost
         duration = float(nodes.interval[:number].sum())
-        information, spread = memory * past.information + at.information, memory * past.spread + at.spread
+        information = memory * past.information + at.information
         sd = self._prior.stddev
         for unknown, rate in _DRIFTS.items():
             if sd[unknown] > 0.0:
                 step = np.zeros_like(sd)
                 step[unknown] = 1.0 / sd[unknown]
-                if unknown is Unknown.CURVE_RATE:  # the curve until now stays as it is
+                # The curve and the speed until now stay as they are.
+                if unknown is Unknown.CURVE_RATE:
                     step[Unknown.CURVE] = -float(nodes.time[number]) / sd[Unknown.CURVE]
+                elif unknown is Unknown.SLOPE:
+                    step[Unknown.START_SPEED] = float(nodes.time[number]) / sd[Unknown.START_SPEED]
                 information, gradient = loosened(information, gradient, step, rate**2 * duration)
-        self.past = Quadratic(information, gradient, self.z.copy(), spread, likelihood)
+        self.past = Quadratic(information, gradient, self.z.copy(), likelihood)
         self._carry(nodes, number)
 
     def forget(self, nodes: Nodes, number: int) -> None:
         """Let the oldest `number` nodes leave, and forget what they and older ones said."""
-        n = self.z.size
-        self.past = Quadratic(np.zeros((n, n)), np.zeros(n), self.z.copy(), np.zeros((n, n)))
+        self.past = self._of_start()
         self._carry(nodes, number)
+
+    def _of_start(self) -> Quadratic:
+        """What is known before a sample, of what does not stay as it was at the start."""
+        return Quadratic(np.diag(1.0 - self._lasting), np.zeros_like(self._lasting), np.zeros_like(self._lasting))
 
     def _carry(self, nodes: Nodes, number: int) -> None:
         """Keep the state of the motion that the oldest `number` nodes leave."""
@@ -315,16 +321,16 @@ class CurveFit:
             return None
         return np.asarray(known[:, np.minimum(np.arange(count), known.shape[1] - 1)])
 
-    def _adapt(self, equation: WheelEquation, error: Array, noise: WheelSpeedNoise) -> None:
+    def _adapt(self, noise: EquationNoise, error: Array) -> None:
         """Move the load variation towards the maximum of its likelihood: up by at most a step, down all the way.
 
         What a bad step of the fit makes it rise by would else make this family the less likely one for ten steps more.
         """
 
         def cost(variation: int) -> float:
-            pivots, factors, log_determinant = noise.factorised(equation, LOAD_VARIATIONS[variation])
-            white, _ = dpttrs(pivots, factors, error.ravel())
-            return float(error.ravel() @ white) + log_determinant
+            factor = noise.factor(LOAD_VARIATIONS[variation])
+            white = noise.whitened(factor, error.reshape(-1, 1).copy())
+            return 0.5 * float((white * white).sum()) + float(np.log(factor[0]).sum())
 
         here = self.load_variation
         least = cost(here)

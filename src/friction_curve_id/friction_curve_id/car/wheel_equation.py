@@ -14,7 +14,7 @@ from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpttrf
+from scipy.linalg.lapack import dpbtrf, dtbtrs
 
 from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes, brake_gains, gains_by_fading
 from friction_curve_id.car.combined_slip import TyreSlips, across_gradient
@@ -28,6 +28,8 @@ _UNKNOWN_DRIVE = 150.0
 """Standard deviation of the torque of a driven wheel while the car does not brake [N m]."""
 _NOTHING = 1e8
 """Variance of what says nothing [rad^2/s^4]: its neighbours do not learn from it that the wheel speeds were right."""
+_LOAD_CORRELATION = 0.02
+"""Time over which the load of a wheel varies [s]: below 15 Hz."""
 
 
 @dataclass(frozen=True)
@@ -165,34 +167,68 @@ def _mean_of_five(values: Array) -> Array:
     )
 
 
-class WheelSpeedNoise:
-    """What the noise of the n + 1 wheel speeds about n nodes makes of e: by their difference and by the slip."""
+class EquationNoise:
+    """Covariance of e at the nodes by the noise of the wheel speeds, that of the torques and the variation of the load.
 
-    def __init__(self, nodes: Nodes, by_wheel_speed: Array) -> None:
-        """`by_wheel_speed`: d e / d wheel speed at the node by the slip [1/s], shape (W, n)."""
+    The noise of n + 1 wheel speeds about n nodes reaches e by their difference and by the slip. Of the variation of
+    the load one half lasts and one does not. e_k - keep_k e_(k-1) is free of what lasts, and its covariance has two
+    bands beside the diagonal.
+    """
+
+    def __init__(self, nodes: Nodes, equation: WheelEquation, continued: bool) -> None:
+        """`continued`: nodes before the first one have had their say, and with them what lasts of the load there."""
         self._variance = nodes.wheel_noise**2
-        per, half = 1.0 / nodes.interval, 0.5 * by_wheel_speed
-        self._by_before, self._by_after = half - per, half + per
+        per, half = 1.0 / nodes.interval, 0.5 * equation.by_wheel_speed
+        before, after = half - per, half + per
+        self._by_before, self._by_after = before, after
+        white = equation.fixed_variance + self._variance[:, 1:] * after**2 + self._variance[:, :-1] * before**2
+        off = self._variance[:, 1:-1] * after[:, :-1] * before[:, 1:]
+        keep = np.zeros_like(white)
+        keep[:, 1:] = np.exp(-nodes.interval[1:] / _LOAD_CORRELATION)
+        self._keep = keep.ravel()
+        self._bands, self._of_load = _bands(white, off, keep), _bands(equation.load_variance, np.zeros_like(off), keep)
+        self._of_load[0] += (1.0 - keep**2) * equation.load_variance
+        if continued:
+            self._bands[0, :, 0] += _NOTHING
 
-    def factorised(self, equation: WheelEquation, load_variation: float) -> tuple[Array, Array, float]:
-        """Factorise the covariance C of the errors, wheel after wheel; the last number is its log determinant."""
-        variance, before, after = self._variance, self._by_before, self._by_after
-        diagonal = equation.fixed_variance + load_variation**2 * equation.load_variance
-        diagonal += variance[:, 1:] * after**2 + variance[:, :-1] * before**2
-        off = np.zeros_like(diagonal)
-        off[:, :-1] = variance[:, 1:-1] * after[:, :-1] * before[:, 1:]
-        pivots, factors, info = dpttrf(diagonal.ravel(), off.ravel()[:-1])
+    def factor(self, load_variation: float) -> Array:
+        """Lower factor of the covariance of what does not last, by its bands, shape (3, W n)."""
+        bands = self._bands + load_variation**2 * self._of_load
+        lower, info = dpbtrf(bands.reshape(3, -1), lower=1)
         if info != 0:
             raise np.linalg.LinAlgError("the covariance is not positive definite")
-        return pivots, factors, float(np.log(pivots).sum())
+        return np.asarray(lower)
 
-    def correction(self, white: Array) -> Array:
-        """Most likely corrections of the wheel speeds [rad/s], shape (W, n + 1).
+    def whitened(self, factor: Array, columns: Array) -> Array:
+        """Return columns at the nodes, shape (W n, m), as if the noise were independent and of variance 1.
 
-        `white`: C^-1 e, shape (W n,).
+        `columns` are overwritten.
         """
-        by_node = white.reshape(self._by_before.shape)
+        columns[1:] -= self._keep[1:, np.newaxis] * columns[:-1]
+        white, _ = dtbtrs(factor, columns, uplo="L", overwrite_b=1)
+        return np.asarray(white)
+
+    def correction(self, factor: Array, white: Array) -> Array:
+        """Most likely corrections of the wheel speeds [rad/s], shape (W, n + 1); `white`: e, whitened, (W n,)."""
+        solved, _ = dtbtrs(factor, white[:, np.newaxis], uplo="L", trans="T")
+        by_node = solved[:, 0]
+        by_node[:-1] -= self._keep[1:] * by_node[1:]
+        by_node = by_node.reshape(self._by_before.shape)
         gradient = np.zeros_like(self._variance)
         gradient[:, :-1] = self._by_before * by_node
         gradient[:, 1:] += self._by_after * by_node
         return np.asarray(-self._variance * gradient)
+
+
+def _bands(variance: Array, off: Array, keep: Array) -> Array:
+    """Bands of the covariance of x_k - keep_k x_(k-1), shape (3, W, n), by that of x.
+
+    `variance` and `keep` have the shape (W, n); `off`, of neighbours, (W, n - 1).
+    """
+    bands = np.zeros((3, *variance.shape))
+    bands[0] = variance
+    bands[0, :, 1:] += keep[:, 1:] * (keep[:, 1:] * variance[:, :-1] - 2.0 * off)
+    bands[1, :, :-1] = off - keep[:, 1:] * variance[:, :-1]
+    bands[1, :, 1:-1] += keep[:, 1:-1] * keep[:, 2:] * off[:, :-1]
+    bands[2, :, :-2] = -keep[:, 2:] * off[:, :-1]
+    return bands
