@@ -127,13 +127,27 @@ def car_stops(setup: CarSetup, seeds: range, law: str) -> PanicStops:
     Utilisation is that of the tyres: their braking forces over those of their peaks. The longest lock is that of any
     wheel, the changes of the command are a mean of the wheels.
     """
-    found = [car_stop(setup, seed, law)[0] for seed in seeds]
+    found = [car_stop(setup, seed, law).stops for seed in seeds]
     columns = {each.name: np.concatenate([getattr(stop, each.name) for stop in found]) for each in fields(PanicStops)}
     return PanicStops(**columns)
 
 
-def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
-    """Brake once; return the result, and the moment about the vertical from the onset on [N m], shape (k,)."""
+@dataclass(frozen=True)
+class CarStop:
+    """One stop."""
+
+    stops: PanicStops
+    """n = 1."""
+    yaw_moment: Array
+    """About the vertical, from the onset on [N m], shape (k,)."""
+    slip_error: Array
+    """Of the slips in valid messages of `friction_curve` above END_SPEED [-], shape (m,)."""
+    slip_stddev: Array
+    """What they say of it [-], shape (m,)."""
+
+
+def car_stop(setup: CarSetup, seed: int, law: str) -> CarStop:
+    """Brake once."""
     wheels = setup.nominal.wheel_names
     graph = ProcessorGraph(_processors(law, setup))
     simulation = setup.simulation(seed)
@@ -143,6 +157,8 @@ def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
     before = commands.copy()
     used: list[float] = []
     moments: list[float] = []
+    curves = {f"{wheel}/friction_curve" for wheel in wheels}
+    slips: list[tuple[float, float]] = []
     changes, fast, start = 0, 0, 0.0
     while simulation.end is None and simulation.time < ROLLING * SAMPLE_TIME + LONGEST:
         braking = simulation.index >= ROLLING
@@ -153,6 +169,8 @@ def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
                 force[wheels.index(message.wheel)] = -message.fx
             elif isinstance(message, BrakeCommand):
                 commands[wheels.index(message.wheel)] = message.command
+            elif simulation.speed > END_SPEED and topic in curves and message.validity.valid:
+                slips.append((message.slip - slip[wheels.index(message.wheel)], message.slip_stddev))
         if simulation.index == ROLLING:
             start = simulation.distance
         if braking:
@@ -173,7 +191,8 @@ def car_stop(setup: CarSetup, seed: int, law: str) -> tuple[PanicStops, Array]:
         changes=np.array([changes / len(wheels) / (fast * SAMPLE_TIME)]),
         stopped=np.array([simulation.end is not None]),
     )
-    return found, np.array(moments)
+    error, stddev = np.array(slips).reshape(-1, 2).T
+    return CarStop(found, np.array(moments), error, stddev)
 
 
 def _processors(law: str, setup: CarSetup) -> list[Processor]:

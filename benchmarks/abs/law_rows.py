@@ -87,8 +87,8 @@ def largest_growth(moments: NDArray[np.float64]) -> float:
 def split_row(law: str, seeds: range, road: str, coupling: Coupling) -> Row:
     """Return the row of a road of SPLITS and a coupling, for information; `seeds` are of sensor noise and road."""
     setup = split_setup(road, coupling)
-    stops = [car_stop(setup, seed, law) for seed in seeds]
-    found, moments = [stop for stop, _ in stops], [moment for _, moment in stops]
+    cars = [car_stop(setup, seed, law) for seed in seeds]
+    found, moments = [car.stops for car in cars], [car.yaw_moment for car in cars]
     return {
         "car": SPLIT,
         "surface": road,

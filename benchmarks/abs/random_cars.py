@@ -39,9 +39,18 @@ def random_setup(seed: int, road: str, family: str) -> CarSetup:
 
 
 def random_row(law: str, seeds: range, road: str, family: str) -> Row:
-    """Return the row of a road and a family of tyres; each seed is a car."""
-    found = [car_stop(random_setup(seed, road, family), seed, law)[0] for seed in seeds]
+    """Return the row of a road and a family of tyres; each seed is a car.
+
+    Beside it stands, of the slips that `friction_curve` says are valid, how many are within their 95 % interval.
+    """
+    cars = [car_stop(random_setup(seed, road, family), seed, law) for seed in seeds]
+    found = [car.stops for car in cars]
     lock = max(float(stop.longest_lock[0]) for stop in found)
+    error, stddev = (np.concatenate([getattr(car, name) for car in cars]) for name in ("slip_error", "slip_stddev"))
+    slips: Row = {}
+    if error.size:
+        slips["slip_covered_pct"] = 100.0 * float(np.mean(np.abs(error) < 1.96 * stddev))
+        slips["slip_rms_error"] = float(np.sqrt(np.mean(error**2)))
     return {
         "car": RANDOM,
         "surface": road,
@@ -56,4 +65,5 @@ def random_row(law: str, seeds: range, road: str, family: str) -> Row:
         "worst": float(min(stop.utilisation[0] for stop in found)),
         "longest_lock_s": lock,
         "runs_with_lock": sum(bool(stop.longest_lock[0] >= LOCK_TIME) for stop in found),
+        **slips,
     }

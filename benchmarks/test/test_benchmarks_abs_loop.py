@@ -225,6 +225,14 @@ def test_a_split_road_is_snow_on_the_right() -> None:
     assert {split_setup(road, COUPLINGS[0]).nominal.front_yaw_moment_rate for road in SPLITS} == {0.0}
 
 
+@pytest.mark.parametrize("family", ["burckhardt", "pacejka"])
+def test_slips_of_a_random_car_on_a_hill_are_within_their_intervals(family: str) -> None:
+    """With white load noise, or an initial speed that is known for ever, they err by up to lambda_max."""
+    stop = car_stop(random_setup(30_001, "wet", family), 30_001, "curve")
+    assert np.mean(np.abs(stop.slip_error) < 1.96 * stop.slip_stddev) > 0.9
+    assert np.sqrt(np.mean(stop.slip_error**2)) < 0.02
+
+
 def test_a_random_car_is_the_same_on_each_road_and_another_for_each_seed() -> None:
     one, other = random_setup(1, "dry", "pacejka"), random_setup(1, "snow", "burckhardt")
     assert one.perturbation == other.perturbation
@@ -249,7 +257,7 @@ def test_a_hill_that_begins_within_a_stop_on_snow_locks_no_wheel_and_leaves_the_
     Uphill the probe gives back a third of that: lambda_max was fitted to slips that were too small.
     """
     hill = next(each for each in CAR_PERTURBATIONS if each.name == name)
-    found, _ = car_stop(CarSetup("snow", hill), 30_000, "curve")
+    found = car_stop(CarSetup("snow", hill), 30_000, "curve").stops
     assert found.stopped.all()
     assert found.longest_lock[0] < 0.05
     assert found.utilisation[0] > least

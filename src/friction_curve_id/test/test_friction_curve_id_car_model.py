@@ -297,7 +297,8 @@ def test_noise_is_whitened_and_corrections_of_the_wheel_speeds_are_the_most_like
             innovations[0] += 1e8
         lasting = np.linalg.inv(np.eye(n) - np.diag(keep, -1))
         variance = np.diag(nodes.wheel_noise[wheel] ** 2)
-        whole = np.diag(fixed[wheel] + 0.03**2 * load[wheel]) + a @ variance @ a.T + lasting @ np.diag(innovations) @ lasting.T
+        whole = np.diag(fixed[wheel] + 0.03**2 * load[wheel]) + a @ variance @ a.T
+        whole += lasting @ np.diag(innovations) @ lasting.T
         by_error = np.linalg.solve(whole, error[wheel])
         expected += float(error[wheel] @ by_error)
         assert found[wheel] == pytest.approx(-(variance @ a.T @ by_error), rel=1e-5, abs=1e-9)

@@ -1,7 +1,7 @@
 """Gauss-Newton fit of one family of curves to the samples of a braking, with all nuisances.
 
-The cost is that of the wheel equations, whitened by their tridiagonal covariance, of the car's balance, and of the
-prior in z = (unknown - mean) / stddev, with what older samples said as a quadratic in z.
+The cost is that of the wheel equations, whitened, of the car's balance, and of the prior in z = (unknown - mean) /
+stddev, with what older samples said as a quadratic in z.
 """
 
 from dataclasses import dataclass, replace
@@ -26,8 +26,8 @@ from friction_curve_id.car.wheel_equation import EquationNoise, wheel_equation
 Array = NDArray[np.float64]
 
 LOAD_VARIATIONS = np.array([0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
-"""Values that the variation of the wheel load may take [-]."""
-_DRIFTS = {Unknown.SLOPE: 0.3, Unknown.START_SPEED: 0.05, Unknown.CURVE_RATE: 0.004}
+"""Values that the variation of the wheel load may take [-]; no model of road and tyre is better than the first."""
+_DRIFTS = {Unknown.SLOPE: 0.2, Unknown.START_SPEED: 0.05, Unknown.CURVE_RATE: 0.004}
 """Standard deviation by which they leave the model within a second, in their units."""
 
 _OF_START = [Unknown.START_SPEED]
@@ -111,7 +111,7 @@ class CurveFit:
 
         Each is in deviations of its prior; what is found of them has the covariance I - S, S: that of what is left.
         """
-        return (float(self.z @ (self._lasting * self.z)) - self._expected) / self._scatter
+        return (self._squares() - self._expected) / self._scatter
 
     @property
     def newest(self) -> float:
@@ -189,12 +189,12 @@ class CurveFit:
         inverse, _ = dpotri(lower, lower=1)
         inverse = np.tril(inverse) + np.tril(inverse, -1).T
         sd = self._prior.stddev
-        found = (np.eye(size) - inverse) * self._lasting
+        found = (np.eye(size) - inverse) * np.outer(self._lasting, self._lasting)
         self._expected = float(np.trace(found))
         # Where no node tells anything any more, unknowns that are still off are a surprise.
         self._scatter = max(sqrt(2.0 * float((found * found).sum())), _LEAST_SCATTER)
         self.covariance = inverse * np.outer(sd, sd)
-        before = float(offset @ (0.5 * past.information @ offset + past.gradient)) + 0.5 * float(self.z @ (self._lasting * self.z))
+        before = float(offset @ (0.5 * past.information @ offset + past.gradient)) + 0.5 * self._squares()
         self.cost = at.cost + before + 0.5 * curved**2 - past.log_likelihood
         self._node_time, self._of_node = nodes.time, at.of_node
         of_peak = np.abs(move[:2] * sd[:2])
@@ -290,6 +290,10 @@ class CurveFit:
         """Let the oldest `number` nodes leave, and forget what they and older ones said."""
         self.past = self._of_start()
         self._carry(nodes, number)
+
+    def _squares(self) -> float:
+        """Sum of the squared unknowns whose prior lasts."""
+        return float(self.z @ (self._lasting * self.z))
 
     def _of_start(self) -> Quadratic:
         """What is known before a sample, of what does not stay as it was at the start."""

@@ -5,8 +5,8 @@
 The difference of two means over neighbouring intervals weighs a torque by a triangle over both: signals at the nodes
 are weighed 1/6, 2/3, 1/6. The variance of e J counts the torque noise, what these weights may miss (a sixth of the
 second differences of T and F), the varying load of the wheel (delta r Fz mu)^2 and the slip's share of the noise of the
-wheel speed; the noise of the wheel speed itself ties neighbouring nodes: the covariance is tridiagonal. Where a wheel
-is locked kappa T is no torque but its limit: the equation says nothing there.
+wheel speed. Nodes are tied by the noise of the wheel speed between them, and by a load that lasts. Where a wheel is
+locked kappa T is no torque but its limit: the equation says nothing there.
 """
 
 from dataclasses import dataclass
