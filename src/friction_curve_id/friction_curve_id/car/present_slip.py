@@ -12,6 +12,9 @@ from friction_curve_id.car.unknowns import SHARED, Unknown
 
 Array = NDArray[np.float64]
 
+_LASTING_ERRORS = 1.5
+"""Deviation of a slip over that of the fit [-]: errors of the model last longer than those of the load."""
+
 
 def present_slip(
     car: CarConstants,
@@ -55,7 +58,7 @@ def present_slip(
     rows[:, Unknown.CURVE] = car.left[:, 0]
     rows[:, Unknown.CURVE_RATE] = car.left[:, 0] * time
     rows[range(wheels), SHARED + np.arange(wheels)] = 1.0
-    of_slip = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows)
+    of_slip = _LASTING_ERRORS**2 * np.einsum("wi,ij,wj->w", rows, fit.covariance, rows)
     rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
     across_variance: Array | float = 0.0
     if fit.tyres.across is not None:
