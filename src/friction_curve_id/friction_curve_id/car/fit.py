@@ -25,7 +25,7 @@ from friction_curve_id.car.wheel_equation import EquationNoise, wheel_equation
 
 Array = NDArray[np.float64]
 
-LOAD_VARIATIONS = np.array([0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
+LOAD_VARIATIONS = np.array([0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
 """Values that the variation of the wheel load may take [-]; no model of road and tyre is better than the first."""
 _DRIFTS = {Unknown.SLOPE: 0.2, Unknown.START_SPEED: 0.05, Unknown.CURVE_RATE: 0.004}
 """Standard deviation by which they leave the model within a second, in their units."""
@@ -83,7 +83,7 @@ class CurveFit:
         """Forget everything."""
         n = self._prior.mean.size
         self.z = np.zeros(n)
-        self.load_variation = 3
+        self.load_variation = 2
         self.past = self._of_start()
         self.covariance = np.diag(self._prior.stddev**2)
         self.log_evidence = 0.0
