@@ -135,9 +135,7 @@ class CurveFit:
         equation = wheel_equation(self._car, nodes, moved, torque, rate, tyres, p, self._torque_stddev)
         error = equation.error - equation.by_wheel_speed * correction
         noise = EquationNoise(nodes, equation, self.carried.slip is not None)
-        if adapt:
-            self._adapt(noise, error)
-        factor = noise.factor(LOAD_VARIATIONS[self.load_variation])
+        factor = self._adapted(noise, error) if adapt else noise.factor(LOAD_VARIATIONS[self.load_variation])
         size, acting = p.size, self._curving if tyres.across is not None else self._acting
         columns = np.empty((error.size, acting.size + 1), order="F")
         jacobian = equation.jacobian.reshape(-1, size)
@@ -325,22 +323,28 @@ class CurveFit:
             return None
         return np.asarray(known[:, np.minimum(np.arange(count), known.shape[1] - 1)])
 
-    def _adapt(self, noise: EquationNoise, error: Array) -> None:
-        """Move the load variation towards the maximum of its likelihood: up by at most a step, down all the way.
+    def _adapted(self, noise: EquationNoise, error: Array) -> Array:
+        """Move the load variation towards the maximum of its likelihood, up by at most a step; return its factor.
 
         What a bad step of the fit makes it rise by would else make this family the less likely one for ten steps more.
         """
 
-        def cost(variation: int) -> float:
+        def tried(variation: int) -> tuple[float, Array]:
             factor = noise.factor(LOAD_VARIATIONS[variation])
             white = noise.whitened(factor, error.reshape(-1, 1).copy())
-            return 0.5 * float((white * white).sum()) + float(np.log(factor[0]).sum())
+            return 0.5 * float((white * white).sum()) + float(np.log(factor[0]).sum()), factor
 
         here = self.load_variation
-        least = cost(here)
-        if here + 1 < LOAD_VARIATIONS.size and cost(here + 1) < least:
-            self.load_variation = here + 1
-            return
-        while here > 0 and (lower := cost(here - 1)) < least:
-            here, least = here - 1, lower
+        least, best = tried(here)
+        if here + 1 < LOAD_VARIATIONS.size:
+            cost, factor = tried(here + 1)
+            if cost < least:
+                self.load_variation = here + 1
+                return factor
+        while here > 0:
+            cost, factor = tried(here - 1)
+            if not cost < least:
+                break
+            here, least, best = here - 1, cost, factor
         self.load_variation = here
+        return best
