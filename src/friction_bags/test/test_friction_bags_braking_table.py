@@ -25,11 +25,12 @@ BAGS = Path(__file__).parents[3] / "bags"
 ABSENT = "waiting for the wheel to pass the peak"
 
 
-def curve(lambda_max: float, valid_from: float = 2.5) -> Series:
-    """Return friction curves that are valid from a time on."""
+def curve(lambda_max: float, valid_from: float = 2.5, mu_max_from: float = 10.0) -> Series:
+    """Return friction curves that are valid from a time on; mu_max alone may be known before."""
     valid = np.where(valid_from - 0.005 < TIME, 1.0, 0.0)
     columns = {"lambda_max": lambda_max, "lambda_max_stddev": 0.01, "mu_max": 1.1, "mu_max_stddev": 0.02}
     arrays = {name: np.full(TIME.shape, value) for name, value in columns.items()}
+    arrays["mu_max"][TIME < min(valid_from, mu_max_from) - 0.005] = np.nan
     return Series(TIME, {**arrays, "valid": valid, WHY: 1.0 - valid}, Counter([ABSENT]))
 
 
@@ -89,6 +90,23 @@ def test_share_of_valid_curves_and_the_reason_where_none_was_are_given() -> None
     assert never.valid == 0.0
     assert np.isnan(never.lambda_max)
     assert never.reason == ABSENT
+
+
+def test_peak_is_that_of_the_most_certain_curve_and_not_of_the_last_one() -> None:
+    series = curve(0.17)
+    late = TIME > 3.5
+    series.columns["mu_max"][late] = 1.3
+    series.columns["lambda_max_stddev"][late] = 0.05
+    known = parts_of({"front_left": series})["car"]
+    assert (known.mu_max, known.lambda_max_stddev) == (1.1, 0.01)
+    assert known.valid_at < 3.51
+
+
+def test_mu_max_that_is_known_alone_stands_in_the_table_without_a_slip() -> None:
+    text = printed(run_with({"front_left": curve(0.17, valid_from=5.0, mu_max_from=3.0)}), 80)
+    assert "1.100±0.039 –" in text
+    assert "0.170" not in text
+    assert "no valid curve" in text
 
 
 @pytest.mark.parametrize("width", [80, 100, 160])

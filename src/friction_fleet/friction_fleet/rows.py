@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_bags.results.braking_rows import CAR, BrakingRow, Part, braking_rows
+from friction_bags.results.braking_rows import CAR, BrakingRow, Part, braking_rows, most_certain
 from friction_bags.results.places import Places
-from friction_bags.results.recorded_run import RecordedRun, Series
+from friction_bags.results.recorded_run import RecordedRun
 from friction_fleet.places import NOWHERE, cells_at
 from friction_grip.road_memory import PROOF_SIGMAS
 from vehicle_models.nanoseconds import NANOSECONDS
@@ -25,8 +25,8 @@ _QUANTITIES = ("mu_used", "mu_used_stddev", "lambda_max", "lambda_max_stddev", "
 def rows_of_brakings(run: RecordedRun, places: Places, key: str, vehicle: str) -> list[Row]:
     """Return a row for the car in each braking, and one for each axle or wheel that differs.
 
-    Its place is where the peak was last known, else where the braking began. The car's mu_max is the median of those of
-    its wheels, each the last that was a number, with the widest deviation: as wheels of one car err together.
+    Its place is where the peak was known best, else where the braking began. The car's mu_max is the median of those of
+    its wheels, each the most certain, with the widest deviation: as wheels of one car err together.
     """
     made = []
     for braking in braking_rows(run):
@@ -95,21 +95,13 @@ def _peak(run: RecordedRun, braking: BrakingRow) -> tuple[float, float, float]:
     known = []
     for wheel in (*run.wheels, "vehicle"):
         curve = run.get(f"{wheel}/friction_curve")
-        last = None if curve is None else _last_peak(curve, braking)
-        if last is not None:
-            known.append(last)
+        row = None if curve is None else most_certain(curve, braking.start, braking.end)
+        if curve is not None and row is not None and isfinite(curve["mu_max_stddev"][row]):
+            known.append((curve["mu_max"][row], curve["mu_max_stddev"][row], curve.time[row]))
     if not known:
         return nan, nan, nan
     table = np.array(known)
     return float(np.median(table[:, 0])), float(table[:, 1].max()), float(table[:, 2].max())
-
-
-def _last_peak(curve: Series, braking: BrakingRow) -> tuple[float, float, float] | None:
-    inside: NDArray[np.bool_] = (curve.time >= braking.start) & (curve.time < braking.end)
-    rows = np.flatnonzero(inside & np.isfinite(curve["mu_max"]) & np.isfinite(curve["mu_max_stddev"]))
-    if not rows.size:
-        return None
-    return float(curve["mu_max"][rows[-1]]), float(curve["mu_max_stddev"][rows[-1]]), float(curve.time[rows[-1]])
 
 
 def _of_part(part: Part, peak: float, stddev: float) -> Row:

@@ -30,15 +30,15 @@ class Part:
     """Largest friction used [-], mean over 0.2 s."""
     mu_used_stddev: float = nan
     lambda_max: float = nan
-    """Last valid slip at the peak [-]."""
+    """Slip at the peak [-] of the most certain valid curve."""
     lambda_max_stddev: float = nan
     mu_max: float = nan
-    """Friction at the peak of the same curve [-]."""
+    """Friction at the peak [-] of the same curve; known alone where no curve was valid, but the friction was."""
     mu_max_stddev: float = nan
     valid: float = nan
     """Share of the curves that were valid [-]; NaN where there were none."""
     valid_at: float = nan
-    """Time of the last valid curve [s]."""
+    """Time of that curve [s]."""
     reason: str = ""
     """Most frequent reason, where no curve was valid."""
     true_lambda_max: float = nan
@@ -102,6 +102,21 @@ def main_reason(series: Series, of: str, inside: NDArray[np.bool_]) -> str:
     codes = series[WHY].astype(np.int64)
     given = codes[inside & (codes > 0)] if np.any(inside & (codes > 0)) else codes[codes > 0]
     return plain_reason(list(series.reasons)[int(np.bincount(given).argmax()) - 1], of) if given.size else ""
+
+
+def most_certain(curve: Series, start: float, end: float) -> int | None:
+    """Return the index of the most certain peak of a braking: the valid one with the smallest deviation of lambda_max.
+
+    It is the last valid one where the method has no deviation, and where no curve is valid the last with a mu_max; None
+    where there is neither. Wheels with one curve have one such time.
+    """
+    inside = (curve.time >= start) & (curve.time < end)
+    valid = np.flatnonzero(inside & (curve["valid"] > 0.0))
+    if valid.size:
+        stddev = np.nan_to_num(curve["lambda_max_stddev"][valid], nan=np.inf)
+        return int(valid[::-1][np.argmin(stddev[::-1])])
+    known = np.flatnonzero(inside & np.isfinite(curve["mu_max"]))
+    return int(known[-1]) if known.size else None
 
 
 def vehicle_speed(run: RecordedRun) -> tuple[Array, Array] | None:
@@ -179,20 +194,23 @@ def _parts(run: RecordedRun, start: float, end: float) -> tuple[Part, ...]:
 
 def _curve_part(run: RecordedRun, fit: Fit, start: float, end: float) -> Part | None:
     """Return the friction curve of wheels in one braking; None where there is no message of it."""
-    inside = slice(*np.searchsorted(fit.curve.time, (start, end), side="left"))
-    valid = fit.curve["valid"][inside] > 0.0
-    if not valid.size:
+    braked = (fit.curve.time >= start) & (fit.curve.time < end)
+    if not braked.any():
         return None
-    at = float(fit.curve.time[inside][valid][-1]) if valid.any() else end
-    part = Part(fit.label, valid=float(np.mean(valid)))
+    best = most_certain(fit.curve, start, end)
+    at = end if best is None else float(fit.curve.time[best])
+    valid = float(np.mean(fit.curve["valid"][braked] > 0.0))
+    part = Part(fit.label, valid=valid)
     if (true := run.get(f"truth/{fit.topic}")) is not None:
         lambda_max, mu_max = (float(np.interp(at, true.time, true[name])) for name in ("lambda_max", "mu_max"))
         part = replace(part, true_lambda_max=lambda_max, true_mu_max=mu_max)
-    if not valid.any():
-        braked = (fit.curve.time >= start) & (fit.curve.time < end)
-        return replace(part, reason=main_reason(fit.curve, fit.topic.rpartition("/")[0], braked))
-    last: dict[str, Any] = {name: float(fit.curve[name][inside][valid][-1]) for name in _CURVE}
-    return replace(part, **last, valid_at=at)
+    if valid == 0.0:
+        part = replace(part, reason=main_reason(fit.curve, fit.topic.rpartition("/")[0], braked))
+    if best is None:
+        return part
+    names = _CURVE if valid > 0.0 else _CURVE[2:]
+    peak: dict[str, Any] = {name: float(fit.curve[name][best]) for name in names}
+    return replace(part, **peak, valid_at=at)
 
 
 def _grips(run: RecordedRun, start: float, end: float) -> dict[str, tuple[float, float]]:

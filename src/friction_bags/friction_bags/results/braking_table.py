@@ -110,7 +110,7 @@ def print_brakings(console: Console, name: str, rows: Sequence[BrakingRow]) -> N
             if part.reason:
                 reasons.setdefault(f"{part.of}: no valid curve: {part.reason}", []).append(f"{row.start:.1f}")
     console.print(table)
-    console.print("a: deceleration, mean/largest; µ_max, λ_max: last valid; valid: share of time", highlight=False)
+    console.print("a: deceleration, mean/largest; µ_max, λ_max: most certain; valid: share of time", highlight=False)
     for reason, starts in reasons.items():
         when = f"{', '.join(starts[:_MOST_STARTS])}{', …' if len(starts) > _MOST_STARTS else ''} s"
         console.print(escape(f"{when}, {reason}"), soft_wrap=True, highlight=False)

@@ -21,7 +21,7 @@ function fillBrakings() {
     find("#brakings .hint").textContent = "No braking: the car's speed is not known, or it never falls by 1 m/s with more than 1 m/s².";
     return;
   }
-  const body = headings(table, [["start", "[s]"], ["grip used", "largest [-]"], ["µ_max", "last valid [-]"], ["λ_max", "last valid [-]"],
+  const body = headings(table, [["start", "[s]"], ["grip used", "largest [-]"], ["µ_max", "most certain [-]"], ["λ_max", "most certain [-]"],
     ["valid", "of the time"], ["speed", "[m/s]"], ["deceleration", "mean / largest [m/s²]"], ["duration", "[s]"], ["largest slip", "above 5 m/s [-]"]]);
   for (const b of drive.brakings) {
     const row = add(body, "tr", undefined, { class: "braking" });
