@@ -17,7 +17,7 @@ from vehicle_models.physical_bounds import HIGHEST_SLIP, is_vague
 from vehicle_models.reason import Reason
 from vehicle_models.rolling_radius import RollingRadius
 from vehicle_models.vehicle import Vehicle
-from wheel_slip.car_motion import MISREAD, MISTOLD, SLOPE_CHANGED, CarMotion, WheelMotion
+from wheel_slip.car_motion import CarMotion, WheelMotion
 from wheel_slip.estimate import (
     Hypotheses,
     SpeedSample,
@@ -28,6 +28,7 @@ from wheel_slip.estimate import (
     slip_variance,
 )
 from wheel_slip.motion_noise import MotionNoise
+from wheel_slip.prediction import MISREAD, MISTOLD, SLOPE_CHANGED
 from wheel_slip.speed_sensor import SpeedSensor
 from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilter
 

@@ -23,6 +23,20 @@ SLOWEST_TURN = 3.0
 """Speed [m/s] that divides in place of a slower one where a curve is told by it: a car can turn on the spot."""
 
 
+def speed_before(x: Array, age: float, way: float) -> tuple[Array, Array]:
+    """Return the speed of the car some time before states [m/s], and its derivatives by them.
+
+    Args:
+        x: states, shape (..., states).
+        age: how long before [s].
+        way: integral of the accelerometer's readings since then [m/s].
+    """
+    h = np.zeros_like(x)
+    since, kept = way - age * x[..., B], 1.0 - x[..., K]
+    h[..., V], h[..., B], h[..., K] = 1.0, age * kept, since
+    return x[..., V] - since * kept, h
+
+
 class WheelEquation:
     """Of the wheels of one car."""
 
