@@ -30,7 +30,7 @@ def curve(lambda_max: float, valid_from: float = 2.5, mu_max_from: float = 10.0)
     valid = np.where(valid_from - 0.005 < TIME, 1.0, 0.0)
     columns = {"lambda_max": lambda_max, "lambda_max_stddev": 0.01, "mu_max": 1.1, "mu_max_stddev": 0.02}
     arrays = {name: np.full(TIME.shape, value) for name, value in columns.items()}
-    arrays["mu_max"][TIME < min(valid_from, mu_max_from) - 0.005] = np.nan
+    arrays["mu_max"][min(valid_from, mu_max_from) - 0.005 > TIME] = np.nan
     return Series(TIME, {**arrays, "valid": valid, WHY: 1.0 - valid}, Counter([ABSENT]))
 
 

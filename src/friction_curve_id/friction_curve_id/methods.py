@@ -6,9 +6,8 @@ from types import MappingProxyType
 
 from friction_curve_id.chapter.curve_fitting import CurveFit, WheelFitting
 from friction_curve_id.chapter.friction_samples import FrictionSamples, FrictionSource
-from friction_curve_id.chapter.least_squares import LeastSquares
+from friction_curve_id.chapter.least_squares import LeastSquares, RecursiveLS
 from friction_curve_id.chapter.maximum_likelihood import MaximumLikelihood
-from friction_curve_id.chapter.recursive_ls import RecursiveLS
 from friction_curve_id.chapter.recursive_ml import RecursiveML, RecursiveMLWithBatch
 from friction_curve_id.chapter.start_parameters import StartParameters
 from friction_curve_id.interface import CurveEstimator

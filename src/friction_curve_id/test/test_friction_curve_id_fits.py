@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from friction_curve_id.chapter import maximum_likelihood
 from friction_curve_id.chapter.curve_fitting import CurveFit
-from friction_curve_id.chapter.least_squares import LeastSquares
+from friction_curve_id.chapter.least_squares import LeastSquares, RecursiveLS
 from friction_curve_id.chapter.maximum_likelihood import MaximumLikelihood, initial_theta
-from friction_curve_id.chapter.recursive_ls import RecursiveLS
 from friction_curve_id.chapter.recursive_ml import RecursiveML, RecursiveMLWithBatch
 from friction_curve_id.chapter.square_root import add_row
 from friction_curve_id.curve.burckhardt_curve import THETA_HIGH, THETA_LOW

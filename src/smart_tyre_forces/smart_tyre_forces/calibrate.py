@@ -12,12 +12,11 @@ from scipy.optimize import nnls
 
 from smart_tyre_forces.calibration import Calibration, Polynomial, TyreCalibration, WheelCalibration
 from smart_tyre_forces.correction import Patch, PatchCorrection, ZeroParameters
-from smart_tyre_forces.drive_coverage import ACCELERATING, missing
 from smart_tyre_forces.force_map import ForceMap
 from smart_tyre_forces.forces import steady_force
 from smart_tyre_forces.front_template import FrontTemplate
 from smart_tyre_forces.patch_tracker import Passage, TrackerParameters
-from smart_tyre_forces.wheel_run import WheelRun
+from smart_tyre_forces.wheel_run import ACCELERATING, WheelRun, missing
 from vehicle_models.reason import Reason
 from vehicle_models.vehicle import REAR, Vehicle
 from vehicle_models.wheel_forces import wheel_forces

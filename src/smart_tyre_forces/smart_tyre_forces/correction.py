@@ -10,15 +10,27 @@ speed, after a change of pressure.
 
 from collections import deque
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from friction_parameters.parameter import parameter
 from smart_tyre_forces.calibration import TyreCalibration, polynomial
 from smart_tyre_forces.patch_tracker import Passage
-from smart_tyre_forces.reasons import PATCH_TEXTS
 from vehicle_models.reason import Reason
 
+_TEXTS: Final = {
+    Reason.OK: "",
+    Reason.NOT_READY: "no zero yet: waiting for a stretch of constant low speed",
+    Reason.SPEED_RANGE: "waiting for a speed within the range of the method",
+    Reason.GAP: "packets lost: wheel angle unknown until the teeth are recognised again",
+    Reason.SATURATED: "accelerometer saturated: use one with a wider range",
+    Reason.NO_FRONTS: "waiting for both edges of the contact patch in the acceleration",
+    Reason.MISSED_TOOTH: "missed tooth: wheel angle unknown until the teeth are recognised again",
+    Reason.REVERSAL: "standstill or reversal: wheel angle unknown until the teeth are recognised again",
+    Reason.BAD_INPUT: "signal not finite",
+    Reason.NOT_CALIBRATED: "not calibrated: give calibration_file; length and shift are raw",
+}
 _UNSTEADY = (Reason.SPEED_RANGE, Reason.REVERSAL)
 """Reasons that end a stretch of constant speed; a revolution lost for another reason is only missing from it."""
 _FEWEST = 8
@@ -73,7 +85,7 @@ class Patch:
     @property
     def text(self) -> str:
         """The reason in words, empty where it is OK."""
-        return PATCH_TEXTS[self.reason]
+        return _TEXTS[self.reason]
 
 
 @dataclass(frozen=True)

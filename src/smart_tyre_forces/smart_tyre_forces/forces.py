@@ -10,14 +10,21 @@ axles and of driving and coasting (when the tyres feel no drag) that went into t
 """
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from smart_tyre_forces.calibration import TyreCalibration, WheelCalibration, polynomial
 from smart_tyre_forces.correction import Patch, ZeroParameters
-from smart_tyre_forces.reasons import FORCE_TEXTS
 from smart_tyre_forces.tyre_gain import TyreGain
 from vehicle_models.reason import Reason
+
+_TEXTS: Final = {
+    Reason.OK: "",
+    Reason.NO_PATCH: "waiting for a valid contact patch",
+    Reason.NOT_CALIBRATED: "not calibrated: give calibration_file",
+    Reason.OUT_OF_RANGE: "outside the calibrated range: calibrate with larger forces",
+}
 
 
 @dataclass(frozen=True)
@@ -35,7 +42,7 @@ class Forces:
     @property
     def text(self) -> str:
         """The reason in words, empty where it is OK."""
-        return FORCE_TEXTS[self.reason]
+        return _TEXTS[self.reason]
 
 
 def steady_force(tyre: TyreCalibration, wheel: WheelCalibration, speed: float, zero_speed: float) -> float:
