@@ -6,6 +6,7 @@ stddev, with what older samples said as a quadratic in z.
 
 from dataclasses import dataclass, replace
 from math import exp, inf, log, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +28,24 @@ Array = NDArray[np.float64]
 
 LOAD_VARIATIONS = np.array([0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
 """Values that the variation of the wheel load may take [-]; no model of road and tyre is better than the first."""
-_DRIFTS = {Unknown.SLOPE: 0.2, Unknown.START_SPEED: 0.05, Unknown.CURVE_RATE: 0.004}
-"""Standard deviation by which they leave the model within a second, in their units."""
+
+
+class _Drift(NamedTuple):
+    """An unknown that leaves the model."""
+
+    unknown: Unknown
+    rate: float
+    """Standard deviation of what it gains within a second, in its unit."""
+    taken_along: Unknown | None = None
+    """Unknown that moves by `sign` times the time since the start, so that speed or curve until now stay."""
+    sign: float = 0.0
+
+
+_DRIFTS = (
+    _Drift(Unknown.SLOPE, 0.2, Unknown.START_SPEED, 1.0),
+    _Drift(Unknown.START_SPEED, 0.05),
+    _Drift(Unknown.CURVE_RATE, 0.004, Unknown.CURVE, -1.0),
+)
 
 _OF_START = [Unknown.START_SPEED]
 """Unknowns whose prior is that of the start of a braking: what drifts since takes them along."""
@@ -271,15 +288,12 @@ class CurveFit:
         duration = float(nodes.interval[:number].sum())
         information = memory * past.information + at.information
         sd = self._prior.stddev
-        for unknown, rate in _DRIFTS.items():
+        for unknown, rate, along, sign in _DRIFTS:
             if sd[unknown] > 0.0:
                 step = np.zeros_like(sd)
                 step[unknown] = 1.0 / sd[unknown]
-                # The curve and the speed until now stay as they are.
-                if unknown is Unknown.CURVE_RATE:
-                    step[Unknown.CURVE] = -float(nodes.time[number]) / sd[Unknown.CURVE]
-                elif unknown is Unknown.SLOPE:
-                    step[Unknown.START_SPEED] = float(nodes.time[number]) / sd[Unknown.START_SPEED]
+                if along is not None:
+                    step[along] = sign * float(nodes.time[number]) / sd[along]
                 information, gradient = loosened(information, gradient, step, rate**2 * duration)
         self.past = Quadratic(information, gradient, self.z.copy(), likelihood)
         self._carry(nodes, number)
