@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
-from friction_curve_id.car.car_model import CarConstants, Carried, brake_gains, gains_by_fading, motion
+from friction_curve_id.car.car_constants import CarConstants
+from friction_curve_id.car.car_model import Carried, brake_gains, gains_by_fading, motion
 from friction_curve_id.car.combined_slip import tyre_slips
 from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family, burckhardt_k, curve_values
 from friction_curve_id.car.evidence import mixture, reaching_up, unresolved

@@ -15,10 +15,11 @@ from corner_sim.car.measured_car import MeasuredCar
 from corner_sim.car.random_car import random_car
 from friction_curve_id.car import CarEstimator, CarSample
 from friction_curve_id.car.braking_samples import BrakingSamples
-from friction_curve_id.car.car_model import CarConstants, Carried, Nodes, motion
+from friction_curve_id.car.car_constants import CarConstants
+from friction_curve_id.car.car_model import Carried, motion
 from friction_curve_id.car.combined_slip import TyreSlips, shows_friction, tyre_slips
 from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family
-from friction_curve_id.car.node_signals import Start, delayed, node_signals
+from friction_curve_id.car.node_signals import Nodes, Start, delayed, node_signals
 from friction_curve_id.car.prior import car_prior
 from friction_curve_id.car.rear_slip import rear_slip
 from friction_curve_id.car.unknowns import Unknown

@@ -13,7 +13,7 @@ from corner_sim.car.random_car import random_car
 from corner_sim.car.recording import Recording, record
 from corner_sim.car.tyres import TYRES
 from friction_curve_id.car import CarEstimator, CarSample
-from friction_curve_id.car.car_model import CarConstants
+from friction_curve_id.car.car_constants import CarConstants
 from friction_curve_id.car.memory import forgotten, loosened
 from friction_curve_id.car.new_road import NewRoad, axle_on_new_road
 from friction_curve_id.interface import CurveEstimate, Refusal, RestartCause

@@ -8,9 +8,9 @@ accelerometer that fails in mid-stop must not take the curve from a law.
 from collections.abc import Sequence
 from math import inf
 
-from friction_curve_id.car.car_model import CarConstants, Nodes
+from friction_curve_id.car.car_constants import CarConstants
 from friction_curve_id.car.fit import CurveFit
-from friction_curve_id.car.node_signals import departs
+from friction_curve_id.car.node_signals import Nodes, departs
 
 _SURPRISE = 3.0
 """Most deviations by which the sum of the squared unknowns of every family may exceed what the prior lets expect."""

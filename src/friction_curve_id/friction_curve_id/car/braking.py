@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from friction_curve_id.car.astray import Astray
 from friction_curve_id.car.braking_samples import BrakingSamples
-from friction_curve_id.car.car_model import CarConstants, Nodes
+from friction_curve_id.car.car_constants import CarConstants
 from friction_curve_id.car.combined_slip import shows_friction
 from friction_curve_id.car.evidence import Peak, mixture, unresolved
 from friction_curve_id.car.fit import CurveFit
 from friction_curve_id.car.lateral_motion import LateralMotion
 from friction_curve_id.car.new_road import NewRoad, axle_on_new_road, friction_there, silenced, told_of_roads
-from friction_curve_id.car.node_signals import Start, delayed, node_signals
+from friction_curve_id.car.node_signals import Nodes, Start, delayed, node_signals
 from friction_curve_id.car.one_road import LASTING, NEWEST, RoadWatch, misfit_at_peak, used_and_fitted
 from friction_curve_id.car.parameters import CarEstimatorParameters
 from friction_curve_id.car.passing import Passing

@@ -10,8 +10,10 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.car_model import CarConstants, Motion, Nodes
+from friction_curve_id.car.car_constants import CarConstants
+from friction_curve_id.car.car_model import Motion
 from friction_curve_id.car.combined_slip import TyreSlips
+from friction_curve_id.car.node_signals import Nodes
 from friction_curve_id.car.unknowns import Unknown
 from vehicle_models.constants import GRAVITY
 

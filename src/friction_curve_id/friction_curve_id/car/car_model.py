@@ -1,7 +1,6 @@
 """Motion of the car and of its wheels between the samples, as functions of the unknowns, with their derivatives.
 
-Nodes lie between neighbouring wheel speeds. A speed from an encoder is the mean over the time since the sample before
-it, so that the node of samples k and k + 1 is the stamp of k. At the nodes:
+At the nodes between neighbouring wheel speeds (node_signals.py):
 
     v = r omega_0 + v_0 + (integral of (a - b + G p) + tau_a (a - a_0)) / (1 + c) - g theta t,    p: see pitch
     lambda_i = 1 - r_i omega_i / v + offset_i +- (curve + curve_rate t)     left, right
@@ -16,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dtbtrs
 
+from friction_curve_id.car.car_constants import CarConstants
+from friction_curve_id.car.node_signals import Nodes
 from friction_curve_id.car.pitch import Pitch, PitchState, pitch_of_body
 from friction_curve_id.car.unknowns import FADING_WORK, SHARED, Unknown
 from vehicle_models.constants import GRAVITY
-from vehicle_models.lateral_forces import AxleForces
-from vehicle_models.vehicle import FRONT, Vehicle
 
 Array = NDArray[np.float64]
 
@@ -37,111 +36,6 @@ SPEED_UNKNOWNS = (
     Unknown.ACCELEROMETER_DELAY,
     Unknown.PITCH_READING,
 )
-
-
-class CarConstants:
-    """What does not change: nominal values by wheel, shapes (W, 1)."""
-
-    def __init__(self, vehicle: Vehicle, present: tuple[int, ...]) -> None:
-        """Take the values of the vehicle file, of the wheels that are `present` by index."""
-        wheels = [vehicle.wheels[each] for each in present]
-        column = (len(wheels), 1)
-        self.wheels = len(wheels)
-        self.radius = np.array([wheel.radius for wheel in wheels]).reshape(column)
-        self.inertia = np.array([wheel.inertia for wheel in wheels]).reshape(column)
-        self.brake_gain = np.array([wheel.brake_gain for wheel in wheels])
-        self.driven = np.array([float(wheel.driven) for wheel in wheels]).reshape(column)
-        self.front = np.array([float(wheel.axle == FRONT) for wheel in wheels]).reshape(column)
-        self.left = np.array([1.0 if wheel.side == "left" else -1.0 for wheel in wheels]).reshape(column)
-        self.axles = AxleForces(vehicle)
-        self.partner = self.axles.partner if len(present) == len(vehicle.wheels) else []
-        """Other wheel of the axle of each wheel, by index; empty where not all four wheels are measured."""
-        self.front_wheel, self.rear_wheel = int(np.argmax(self.front)), int(np.argmin(self.front))
-        self.behind = vehicle.wheelbase * vehicle.front_load_share
-        self.half_track, self.wheelbase = 0.5 * vehicle.track, vehicle.wheelbase
-        self.teeth = np.array([wheel.encoder_teeth for wheel in wheels], dtype=float).reshape(column)
-        share, transfer = np.array(vehicle.load_shares), np.array(vehicle.transfer_shares)
-        self.transfer = transfer[list(present)].reshape(column)
-        nominal = share[list(present)].reshape(column)
-        self.roll = -self.left * (vehicle.centre_of_gravity_height / vehicle.track)
-        """Load that a wheel gains by lateral acceleration to the left, if its axle takes all of it, over the mass."""
-        one_axle = all(wheel.axle == FRONT for wheel in vehicle.wheels)
-        count = np.array([sum(each.axle == wheel.axle for each in vehicle.wheels) for wheel in wheels], dtype=float)
-        sign = np.where(self.front > 0.0, 1.0, -1.0) / count.reshape(column)
-        self.share_sign = np.zeros(column) if one_axle else sign
-        self.share_fixed = nominal - self.share_sign * vehicle.front_load_share
-        self.share = nominal
-        """Of the load at rest by the vehicle file."""
-        self.carried_share = float(nominal.sum())
-        self.mass = vehicle.mass
-        self.rolling = vehicle.rolling_resistance
-        self.drag = 0.5 * 1.2 * vehicle.drag_area
-
-
-@dataclass(frozen=True)
-class Nodes:
-    """Measured signals at n nodes of W wheels."""
-
-    time: Array
-    """Since the start of the window's first sample [s], shape (n,)."""
-    interval: Array
-    """Time between the wheel speeds about the node [s], shape (n,)."""
-    wheel_speed: Array
-    """At the node [rad/s], shape (W, n)."""
-    wheel_acceleration: Array
-    """[rad/s^2], shape (W, n)."""
-    wheel_noise: Array
-    """Standard deviation of the n + 1 wheel speeds about the nodes [rad/s], shape (W, n + 1)."""
-    acceleration: Array
-    """[m/s^2], shape (n,)."""
-    speed_change: Array
-    """Integral of the acceleration over `time` [m/s], shape (n,)."""
-    acceleration_change: Array
-    """Acceleration less that at the start [m/s^2], shape (n,)."""
-    start_speed: float
-    """Speed of the wheels at time 0 [m/s]."""
-    closed: Array
-    """1 where the throttle is closed, shape (n,)."""
-    turning: NDArray[np.bool_]
-    """Whether the wheel turns: the brake of a locked one does not act with its torque. Shape (W, n)."""
-    work: Array
-    """Work of the brakes at nominal gain [J], shape (W, n)."""
-    yaw_rate: Array
-    """Counter-clockwise [rad/s], shape (n,); zero where it is not measured."""
-    yaw_acceleration: Array
-    """[rad/s^2], shape (n,)."""
-    leftward: Array
-    """Lateral acceleration [m/s^2], shape (n,)."""
-    sideways: Array
-    """Integral of leftward - yaw_rate v over `time` [m/s], shape (n,)."""
-    rolled: Array
-    """Lateral acceleration whose steady load transfer acts [m/s^2], shape (n,)."""
-    spread: float
-    """Share of its second difference that a torque's mean between the wheel speeds has more than its node [-]."""
-
-    def subset(self, nodes: slice) -> "Nodes":
-        """Return some neighbouring nodes."""
-        first, last = nodes.start or 0, nodes.stop
-        return Nodes(
-            self.time[nodes],
-            self.interval[nodes],
-            self.wheel_speed[:, nodes],
-            self.wheel_acceleration[:, nodes],
-            self.wheel_noise[:, first : None if last is None else last + 1],
-            self.acceleration[nodes],
-            self.speed_change[nodes],
-            self.acceleration_change[nodes],
-            self.start_speed,
-            self.closed[nodes],
-            self.turning[:, nodes],
-            self.work[:, nodes],
-            self.yaw_rate[nodes],
-            self.yaw_acceleration[nodes],
-            self.leftward[nodes],
-            self.sideways[nodes],
-            self.rolled[nodes],
-            self.spread,
-        )
 
 
 @dataclass(frozen=True)

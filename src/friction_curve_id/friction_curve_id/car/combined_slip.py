@@ -13,8 +13,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes, brake_gains
+from friction_curve_id.car.car_constants import CarConstants
+from friction_curve_id.car.car_model import SPEED_UNKNOWNS, Motion, brake_gains
 from friction_curve_id.car.curve_family import CurveValues, Family, curve_values
+from friction_curve_id.car.node_signals import Nodes
 from friction_curve_id.car.pitch import PITCH_UNKNOWNS
 from friction_curve_id.car.unknowns import OF_CURVE, SHARED, Unknown
 from vehicle_models.constants import GRAVITY

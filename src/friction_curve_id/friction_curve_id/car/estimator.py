@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from friction_curve_id.car.answers import answers
 from friction_curve_id.car.braking import CAPACITY, Braking
 from friction_curve_id.car.braking_samples import BrakingSamples
-from friction_curve_id.car.car_model import CarConstants
+from friction_curve_id.car.car_constants import CarConstants
 from friction_curve_id.car.car_sample import CarGate, CarSample, Checked
 from friction_curve_id.car.gain_over_mass import GainOverMassLearner
 from friction_curve_id.car.lateral_motion import LateralMotion

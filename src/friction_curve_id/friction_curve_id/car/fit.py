@@ -14,11 +14,12 @@ from scipy.linalg.lapack import dpotrf, dpotri, dpotrs
 
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_balance import OF_TORQUE, car_balance
-from friction_curve_id.car.car_model import CarConstants, Carried, Motion, Nodes, carried_over, motion
+from friction_curve_id.car.car_constants import CarConstants
+from friction_curve_id.car.car_model import Carried, Motion, carried_over, motion
 from friction_curve_id.car.combined_slip import TyreSlips, share_across, tyre_slips
 from friction_curve_id.car.curve_family import Family
 from friction_curve_id.car.memory import Quadratic, forgotten, loosened
-from friction_curve_id.car.node_signals import Start, delayed
+from friction_curve_id.car.node_signals import Nodes, Start, delayed
 from friction_curve_id.car.prior import Prior
 from friction_curve_id.car.rear_slip import rear_slip
 from friction_curve_id.car.unknowns import OF_CURVE, OF_CURVES, Unknown

@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.car_model import CarConstants, Motion
+from friction_curve_id.car.car_constants import CarConstants
+from friction_curve_id.car.car_model import Motion
 from vehicle_models.physical_bounds import ICE_FRICTION
 
 Array = NDArray[np.float64]

@@ -1,9 +1,10 @@
 """Measured signals at the nodes between the wheel speeds, from the samples of a braking.
 
-A wheel speed is a mean: from the encoder's last edge before one stamp to the last before the next. To third order the
-speed at the node between the means w_k and w_{k+1} is (-w_{k-1} + 7 w_k + 7 w_{k+1} - w_{k+2}) / 12. The edges are half
-a tooth late on average, and up to a tooth at random: an error in proportion to the wheel's acceleration. A speed that
-was not counted holds at its stamp: then the nodes lie half-way between the stamps.
+A wheel speed is a mean: from the encoder's last edge before one stamp to the last before the next, so that the node of
+samples k and k + 1 is the stamp of k. To third order the speed at the node between the means w_k and w_{k+1} is
+(-w_{k-1} + 7 w_k + 7 w_{k+1} - w_{k+2}) / 12. The edges are half a tooth late on average, and up to a tooth at random:
+an error in proportion to the wheel's acceleration. A speed that was not counted holds at its stamp: then the nodes lie
+half-way between the stamps.
 
 The brake of a locked wheel is a reaction: it holds against the tyre, with less than its pressure would make. A wheel
 may stand where it is slower than 0.3 of the car and, if its speed is counted, than one tooth between two samples, or
@@ -19,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.braking_samples import BrakingSamples
-from friction_curve_id.car.car_model import CarConstants, Nodes
+from friction_curve_id.car.car_constants import CarConstants
 
 Array = NDArray[np.float64]
 
@@ -34,6 +35,72 @@ In ordinary driving one of the two is below 0.7 of its limit; a wheel that comes
 
 _EITHER_SIDE = 0.025
 """Time before and after a node over which the yaw acceleration is taken [s]."""
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """Measured signals at n nodes of W wheels."""
+
+    time: Array
+    """Since the start of the window's first sample [s], shape (n,)."""
+    interval: Array
+    """Time between the wheel speeds about the node [s], shape (n,)."""
+    wheel_speed: Array
+    """At the node [rad/s], shape (W, n)."""
+    wheel_acceleration: Array
+    """[rad/s^2], shape (W, n)."""
+    wheel_noise: Array
+    """Standard deviation of the n + 1 wheel speeds about the nodes [rad/s], shape (W, n + 1)."""
+    acceleration: Array
+    """[m/s^2], shape (n,)."""
+    speed_change: Array
+    """Integral of the acceleration over `time` [m/s], shape (n,)."""
+    acceleration_change: Array
+    """Acceleration less that at the start [m/s^2], shape (n,)."""
+    start_speed: float
+    """Speed of the wheels at time 0 [m/s]."""
+    closed: Array
+    """1 where the throttle is closed, shape (n,)."""
+    turning: NDArray[np.bool_]
+    """Whether the wheel turns: the brake of a locked one does not act with its torque. Shape (W, n)."""
+    work: Array
+    """Work of the brakes at nominal gain [J], shape (W, n)."""
+    yaw_rate: Array
+    """Counter-clockwise [rad/s], shape (n,); zero where it is not measured."""
+    yaw_acceleration: Array
+    """[rad/s^2], shape (n,)."""
+    leftward: Array
+    """Lateral acceleration [m/s^2], shape (n,)."""
+    sideways: Array
+    """Integral of leftward - yaw_rate v over `time` [m/s], shape (n,)."""
+    rolled: Array
+    """Lateral acceleration whose steady load transfer acts [m/s^2], shape (n,)."""
+    spread: float
+    """Share of its second difference that a torque's mean between the wheel speeds has more than its node [-]."""
+
+    def subset(self, nodes: slice) -> "Nodes":
+        """Return some neighbouring nodes."""
+        first, last = nodes.start or 0, nodes.stop
+        return Nodes(
+            self.time[nodes],
+            self.interval[nodes],
+            self.wheel_speed[:, nodes],
+            self.wheel_acceleration[:, nodes],
+            self.wheel_noise[:, first : None if last is None else last + 1],
+            self.acceleration[nodes],
+            self.speed_change[nodes],
+            self.acceleration_change[nodes],
+            self.start_speed,
+            self.closed[nodes],
+            self.turning[:, nodes],
+            self.work[:, nodes],
+            self.yaw_rate[nodes],
+            self.yaw_acceleration[nodes],
+            self.leftward[nodes],
+            self.sideways[nodes],
+            self.rolled[nodes],
+            self.spread,
+        )
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,10 @@ from math import exp, hypot, inf, isnan, log, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.car_model import CarConstants, Motion, Nodes, brake_gains
+from friction_curve_id.car.car_constants import CarConstants
+from friction_curve_id.car.car_model import Motion, brake_gains
 from friction_curve_id.car.combined_slip import TyreSlips
+from friction_curve_id.car.node_signals import Nodes
 from friction_curve_id.car.unknowns import Unknown
 
 Array = NDArray[np.float64]

@@ -4,10 +4,9 @@ from math import exp, inf, sqrt
 
 import numpy as np
 
-from friction_curve_id.car.car_model import Nodes
 from friction_curve_id.car.evidence import Peak
 from friction_curve_id.car.fit import CurveFit
-from friction_curve_id.car.node_signals import TURNING
+from friction_curve_id.car.node_signals import TURNING, Nodes
 from friction_curve_id.car.unknowns import Unknown
 
 _PASSED = 1.05

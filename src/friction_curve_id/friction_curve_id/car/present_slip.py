@@ -5,7 +5,8 @@ from math import exp, expm1, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS, CarConstants
+from friction_curve_id.car.car_constants import CarConstants
+from friction_curve_id.car.car_model import LEAST_RELAXATION, SPEED_UNKNOWNS
 from friction_curve_id.car.evidence import normal_probability
 from friction_curve_id.car.fit import CurveFit
 from friction_curve_id.car.unknowns import SHARED, Unknown

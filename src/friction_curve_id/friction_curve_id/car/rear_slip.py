@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.car_balance import block_means
-from friction_curve_id.car.car_model import CarConstants, Motion, Nodes, relaxed_by
+from friction_curve_id.car.car_constants import CarConstants
+from friction_curve_id.car.car_model import Motion, relaxed_by
 from friction_curve_id.car.combined_slip import TyreSlips
+from friction_curve_id.car.node_signals import Nodes
 from friction_curve_id.car.unknowns import Unknown
 
 Array = NDArray[np.float64]

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpbtrf, dtbtrs
 
-from friction_curve_id.car.car_model import SPEED_UNKNOWNS, CarConstants, Motion, Nodes, brake_gains, gains_by_fading
+from friction_curve_id.car.car_constants import CarConstants
+from friction_curve_id.car.car_model import SPEED_UNKNOWNS, Motion, brake_gains, gains_by_fading
 from friction_curve_id.car.combined_slip import TyreSlips, across_gradient
-from friction_curve_id.car.node_signals import with_repeated_ends
+from friction_curve_id.car.node_signals import Nodes, with_repeated_ends
 from friction_curve_id.car.pitch import PITCH_UNKNOWNS
 from friction_curve_id.car.unknowns import OF_CURVE, SHARED, Unknown
 
