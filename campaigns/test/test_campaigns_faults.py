@@ -172,8 +172,26 @@ def test_a_demand_at_which_a_wheel_locks_without_abs_is_no_ordinary_braking() ->
         {each.name for each in limits(NO_FAULT, Manoeuvre(FOUR_WHEELS, "dry", demand), released, released)}
         for demand in (0.6, 0.9)
     ]
-    assert ["DECREASE" in names for names in judged] == [True, False]
+    assert ["duration ratio" in names for names in judged] == [True, False]
     assert ["lock [s]" in names for names in judged] == [False, True]
+
+
+@pytest.mark.parametrize(("demand", "beyond"), [(0.7, []), (0.8, [2, 3]), (0.9, [2, 3])])
+def test_a_release_counts_at_the_wheels_that_stay_before_their_peak_without_abs(
+    demand: float, beyond: list[int]
+) -> None:
+    """At 0.8 of the peak torque of a front wheel at rest the rear ones pass theirs, though they do not lock."""
+    manoeuvre = Manoeuvre(FOUR_WHEELS, "dry", demand)
+    stop = without_abs(manoeuvre)
+    assert [wheel for wheel, each in enumerate(stop.beyond) if each] == beyond
+    for wheel in range(4):
+        one = record([1] * 10 + [int(BrakeCommand.DECREASE)] * 40 + [1] * 50, [0.2] * 100, [True] * 100)
+        command = np.ones((100, 4), dtype=np.int64)
+        command[:, wheel] = one.command[:, 0]
+        run = replace(one, command=command, slip=one.slip.repeat(4, axis=1), acting=one.acting.repeat(4, axis=1))
+        found = measure(run, NO_FAULT, manoeuvre, stop)
+        names = [each.name for each in limits(NO_FAULT, manoeuvre, found, found) if not each.passed]
+        assert ("DECREASE of a healthy wheel" in names) == (wheel not in beyond)
 
 
 def record(command: Sequence[int], slip: Sequence[float], acting: Sequence[bool]) -> Record:
@@ -186,8 +204,12 @@ def record(command: Sequence[int], slip: Sequence[float], acting: Sequence[bool]
     )  # fmt: skip
 
 
+def reference(wheels: int) -> Reference:
+    return Reference(1.0, 10.0, locks=False, beyond=(False,) * wheels, torque=800.0)
+
+
 def measured(found: Record, case: Case = NO_FAULT) -> Measures:
-    return measure(found, case, DRY, Reference(1.0, 10.0, locks=False, torque=800.0))
+    return measure(found, case, DRY, reference(found.slip.shape[1]))
 
 
 def test_measures_of_a_run_whose_numbers_are_known() -> None:
@@ -271,7 +293,7 @@ def test_a_dead_sensor_costs_one_wheel_of_a_car_its_abs_and_no_other(law: str, b
     manoeuvre = Manoeuvre(FOUR_WHEELS, "dry", 1.5)
     (case,) = (replace(each, begin=begin, none_later=0.0) for each in FAULTS if each.name == "wheel_dead")
     run = Loop(manoeuvre, case, 40_000, law).run(begin + 0.5)  # no stop: what it costs in distance, the campaign tells
-    found = measure(run, case, manoeuvre, Reference(1.0, 10.0, locks=False, torque=800.0))
+    found = measure(run, case, manoeuvre, reference(4))
     judged = [each for each in limits(case, manoeuvre, found, found) if each.name != "distance ratio"]
     assert [str(each) for each in judged if not each.passed] == []
     assert {"NONE after [s]", "named after [s]", "healthy wheels without ABS"} <= {each.name for each in judged}
