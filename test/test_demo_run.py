@@ -20,7 +20,8 @@ from std_msgs.msg import Header
 
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import write_bag
-from friction_bags.results.recorded_run import RecordedRun, read_run
+from friction_bags.results.recorded_run import RecordedRun
+from friction_bags.results.run_reader import read_run
 from friction_bringup.__main__ import main
 from friction_runtime.installed import shipped_file
 from friction_runtime.messages import from_nanoseconds

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from friction_msgs.msg import BrakeDemand, SupervisorState, WheelSlip
 from rclpy.serialization import deserialize_message
@@ -20,8 +21,10 @@ from friction_bags.bag_io.bag_format import BagError, Topic
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import BagWriter
 from friction_bags.bag_io.cdr import encode, installed_topic
+from friction_bags.offline.estimated_run import estimated_run
 from friction_bags.offline.plan import ProcessOptions, graph_stages
 from friction_bags.offline.run import process_bag
+from friction_bags.results.run_reader import read_run
 from friction_parameters.parameter import ParameterError, from_mapping
 from friction_runtime.installed import message_class
 from friction_runtime.messages import from_nanoseconds
@@ -111,6 +114,21 @@ def test_every_sample_of_the_bag_gets_the_estimates_of_every_wheel(bag: Path, pr
         slips = [deserialize_message(data, WheelSlip) for _, data in after[f"/{wheel}/slip"]]
         assert sum(message.validity.valid for message in slips) > len(samples) / 2
         assert len(after[f"/{wheel}/abs_supervisor"]) == len(samples)
+
+
+def test_estimates_without_a_bag_are_those_of_the_bag(bag: Path, tmp_path: Path) -> None:
+    result, run = estimated_run(bag, ProcessOptions())
+    process(bag, tmp_path / "out", outputs_only=True)
+    expected = read_run(tmp_path / "out")
+    assert (run.wheels, run.start, run.notes) == (expected.wheels, expected.start, expected.notes)
+    assert set(run.series) == set(expected.series)
+    for topic, series in expected.series.items():
+        found = run.series[topic]
+        assert (found.reasons, set(found.columns)) == (series.reasons, set(series.columns))
+        assert np.array_equal(found.time, series.time)
+        assert all(np.array_equal(found[name], series[name], equal_nan=True) for name in series.columns)
+    assert result.problems == ()
+    assert result.outputs == sum(len(messages) for messages in read(tmp_path / "out").values())
 
 
 def test_the_topics_of_the_bag_are_copied_as_they_are(bag: Path, processed: Path) -> None:

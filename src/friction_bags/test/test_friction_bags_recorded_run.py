@@ -10,7 +10,7 @@ from friction_msgs.msg import FrictionSlope, Validity, WheelSlip
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.bag_io.bag_writer import write_bag
-from friction_bags.results.recorded_run import read_run, require_samples
+from friction_bags.results.run_reader import read_run, require_samples
 
 TYRES = Path(__file__).parents[3] / "bags" / "tyre_dynamic_2_0_bar"
 

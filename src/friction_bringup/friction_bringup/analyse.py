@@ -21,7 +21,7 @@ from friction_bags.offline.run import process_bag
 from friction_bags.progress_bars import bars
 from friction_bags.results.braking_rows import braking_rows
 from friction_bags.results.braking_table import add_table_arguments, show_brakings
-from friction_bags.results.recorded_run import read_run
+from friction_bags.results.run_reader import read_run
 from friction_parameters.parameter import ParameterError
 from friction_report.page import write_page
 from friction_report.summary import print_summary

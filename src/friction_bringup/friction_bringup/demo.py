@@ -25,7 +25,7 @@ from friction_bags.offline.plan import SayOnce
 from friction_bags.remapped_bag import RemappedBag, write_remapped
 from friction_bags.results.braking_rows import braking_rows
 from friction_bags.results.braking_table import add_table_arguments, show_brakings
-from friction_bags.results.recorded_run import read_run, require_samples
+from friction_bags.results.run_reader import read_run, require_samples
 from friction_bringup import graph
 from friction_bringup.demo_drive import CARS, ROAD_TEXT
 from friction_bringup.demo_graph import DemoError, DemoGraph, DemoOptions

@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 
 from friction_bags.bag_io.bag_reader import BagReader
 from friction_bags.offline.estimators import ESTIMATORS, SMART_TYRE
-from friction_bags.results.recorded_run import has_wheel_states
+from friction_bags.results.run_reader import has_wheel_states
 from friction_bringup import graph
 from friction_bringup.demo_drive import CALIBRATION, WAITED_FOR, plant_of_demo
 from friction_bringup.discovery import local_discovery

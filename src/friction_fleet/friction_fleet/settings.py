@@ -36,7 +36,7 @@ class Settings:
     def options(self, map_file: str) -> ProcessOptions:
         """Return the options of `friction_bags process`, with a map or without."""
         files = self.parameter_files
-        return ProcessOptions(ESTIMATORS, self.vehicle, files, self.namespace, outputs_only=True, map_file=map_file)
+        return ProcessOptions(ESTIMATORS, self.vehicle, files, self.namespace, map_file=map_file)
 
     def digest(self) -> str:
         """Return the digest of code, libraries, options and the contents of all files.

@@ -19,8 +19,7 @@ from friction_adapter.map_file import load_map
 from friction_bags.bag_io.bag_format import METADATA_NAME, read_custom_data
 from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.importers.import_log import import_log, is_bag
-from friction_bags.offline.run import process_bag
-from friction_bags.results.recorded_run import read_run
+from friction_bags.offline.estimated_run import estimated_run
 from friction_fleet.dataset import BAGS, BOUNDS, BRAKINGS, DAMAGED, DUPLICATE, ERROR, OK, SCHEMAS, Dataset
 from friction_fleet.places import read_places
 from friction_fleet.rows import Row, rows_of_bounds, rows_of_brakings
@@ -137,9 +136,7 @@ def _rows(settings: Settings, row: Row, bag: Path, directory: Path) -> tuple[lis
         if map_file and not is_bag(bag):
             source, map_file = directory / "imported", ""
             import_log(bag, load_map(settings.map_file, settings.vehicle), None, source)
-        made = directory / "estimates"
-        result = process_bag(source, made, settings.options(map_file), 1, lambda _: None)
-        run = read_run(made, None, settings.options("").prefix)
+        result, run = estimated_run(source, settings.options(map_file))
         places = read_places(source)
     warnings = dict.fromkeys(report_kind(line) for line in printed.getvalue().splitlines() if line.strip())
     row["problems"] = list(dict.fromkeys((*result.problems, *run.problems)))[:_MOST_PROBLEMS]

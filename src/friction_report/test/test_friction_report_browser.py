@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_bags.results.recorded_run import RecordedRun, Series, read_run
+from friction_bags.results.recorded_run import RecordedRun, Series
+from friction_bags.results.run_reader import read_run
 from friction_report.__main__ import main
 from friction_report.page import write_page
 

@@ -20,7 +20,8 @@ from std_msgs.msg import Header
 from friction_bags.bag_io.bag_writer import write_bag
 from friction_bags.offline.plan import ProcessOptions
 from friction_bags.offline.run import process_bag
-from friction_bags.results.recorded_run import WHY, RecordedRun, Series, read_run
+from friction_bags.results.recorded_run import WHY, RecordedRun, Series
+from friction_bags.results.run_reader import read_run
 from friction_report.__main__ import main
 from friction_report.page import PANELS, html_page, page_data, write_page
 from friction_report.signals import points_of

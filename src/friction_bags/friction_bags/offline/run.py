@@ -122,9 +122,9 @@ def steps_of_stages(plan: OfflinePlan, stages: int, problems: list[str]) -> Iter
             process.join()
 
 
-def undecoded(run: StageRun) -> list[str]:
-    """Return texts on messages of a stage that could not be decoded."""
-    return [f"{name}: {number} messages cannot be decoded" for name, number in run.refused.items()]
+def not_decoded(refused: Mapping[str, int]) -> list[str]:
+    """Return texts on messages that could not be decoded, counted by topic."""
+    return [f"{name}: {number} messages cannot be decoded" for name, number in refused.items() if number]
 
 
 def _run_stage(plan: OfflinePlan, stage: int, stages: int, before: Connection | None, behind: Connection) -> None:
@@ -144,7 +144,7 @@ def _run_stage(plan: OfflinePlan, stage: int, stages: int, before: Connection | 
             with plan.open_bag(say) as reader:
                 _send(read_steps(reader, plan), run, plan, behind)
                 problems = reader.problems
-        behind.send((*problems, *undecoded(run)))
+        behind.send((*problems, *not_decoded(run.refused)))
     except BrokenPipeError:
         pass
     except Exception as error:
@@ -256,5 +256,5 @@ def process_bag(
                 progress(min(count / total, 1.0))  # what a map makes is not counted before
         progress(1.0)
         duration = (reader.end - reader.start) * NANOSECOND
-        found = tuple(dict.fromkeys([*reader.problems, *problems, *undecoded(run)]))
+        found = tuple(dict.fromkeys([*reader.problems, *problems, *not_decoded(run.refused)]))
         return ProcessResult(str(bag), count, given, duration, perf_counter() - begun, found)

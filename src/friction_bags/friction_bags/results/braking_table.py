@@ -16,7 +16,8 @@ from rich.table import Table
 
 from friction_bags.bag_io.bag_format import BagError
 from friction_bags.results.braking_rows import BrakingRow, Part, braking_rows
-from friction_bags.results.recorded_run import COLUMNS, read_run
+from friction_bags.results.recorded_run import COLUMNS
+from friction_bags.results.run_reader import read_run
 from friction_runtime.reports import INTERVAL_95
 
 _VALID = "validity.valid"
