@@ -59,10 +59,12 @@ class Prediction:
         p, way = self._noise, dt * abs(speed)
         known = p.slope_known**2 / (p.slope_known**2 + float(bank.p[SLOPE_CHANGED, B, B]))
         out, back = min(way / p.slope_every, 0.5), min(way / p.slope_length * known, 0.5)
-        fails, heals = dt / p.fault_every, dt / p.fault_time
-        misread, read = (fails, heals) if reads else (0.0, 1.0)
         # While no brake is on, no torque can be wrong: that hypothesis follows the others, and it ends with the brakes.
         wrong, judges = odds.wrong, told and odds.judges
+        # An accelerometer that is wrong stays so for a braking: else its fault would explain once what torques, if
+        # they are wrong, explain all the time.
+        fails, heals = dt / p.fault_every, 0.0 if judges else dt / p.fault_time
+        misread, read = (fails, heals) if reads else (0.0, 1.0)
         mistold, right, stays = (
             (0.0, 0.0, 1.0) if judges else (wrong, self._judged * (1.0 - wrong), self._judged * wrong)
         )

@@ -7,12 +7,14 @@ torques miss, as pads are not those of the vehicle file, or as a pressure is not
 
 A Kalman filter follows both, and what it finds of w alone is m, with variance q. Where all torques are right w is that
 of the pads; where one is wrong it is anything from nothing to its wheel's share of the braking, at most s; where the
-accelerometer is wrong, anything about 1:
+accelerometer is wrong, anything about 1. Were torques right, the wheels would have shown by now that the accelerometer
+is wrong with probability a, which was A before:
 
-    p(data | right) = N(m; 0, q + s_pads^2),    p(data | accelerometer) = N(m; 0, q + 1)
+    p(data | right) = ((1 - a) N(m; 0, q + s_pads^2) + a N(m; 0, q + 1)) A / max(a, A)
     p(data | wrong) = exp(-X) (Phi((s - m) / q^1/2) - Phi(-m / q^1/2)) / s
 
 in which X is by how much wheels contradict an accelerometer that is right where torques are wrong, and jumps of it.
+A / a is the price of an explanation that needs a fault of the accelerometer.
 """
 
 from math import exp, isfinite, log, nan, sqrt
@@ -65,7 +67,7 @@ class TorqueOdds:
             dt: its length [s].
             pull: braking of the car by all its tyres, as it was felt [m/s^2].
             braked: the same by the torques [m/s^2], NaN where they are unknown.
-            misread: probability that the accelerometer is wrong.
+            misread: probability that the accelerometer is wrong, by the wheels and if the torques are right.
         """
         p = self._noise
         self._contradicted *= exp(-dt / p.fault_time)
@@ -97,7 +99,8 @@ class TorqueOdds:
         of_share = NormalDist(m, sqrt(q))
         right, other = [NormalDist(0.0, sqrt(q + variance)).pdf(m) for variance in (p.brakes**2, 1.0)]
         wrong = (of_share.cdf(p.missed) - of_share.cdf(0.0)) / p.missed
-        self._told = log(max(wrong, 1e-30)) - log(max(right + self._prior * other, 1e-30))
+        likely = max(misread / self._prior, 1.0)
+        self._told = log(max(wrong, 1e-30)) - log(max(((1.0 - misread) * right + misread * other) / likely, 1e-30))
 
     def _more_likely(self, odds: float) -> float:
         """Return the probability from before with so many logarithmic odds more."""

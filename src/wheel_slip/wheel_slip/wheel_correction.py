@@ -126,7 +126,10 @@ class WheelCorrection:
         torques, unrest, error = self._smoothed(), self._tyres.unrest, float(mean[F])
         forces = self._forces.of(reading, speed, rates, torques, unrest, error, unread, locked)
         self.beyond_brakes = (self.beyond_brakes[1], read - forces.felt)
-        self.odds.update(dt, forces.pull, nan if unread else forces.braked, float(bank.probabilities[MISREAD]))
+        # As it was felt: what judges the accelerometer must not be corrected by what is thought of it.
+        pull = forces.pull - (misread if speed >= 0.0 else -misread)
+        if_told = float(bank.probabilities[MISREAD] / max(1.0 - bank.probabilities[MISTOLD], 1e-9))
+        self.odds.update(dt, pull, nan if unread else forces.braked, if_told)
         if unread:
             felt = float(np.clip(np.median(rates), -HARDEST_BRAKING, HARDEST_BRAKING))
             share = dt / (p.correlation + dt)
