@@ -130,7 +130,7 @@ ONSET = 1.0
 CORNER, FOUR_WHEELS = "corner", "four_wheels"
 _VEHICLES = {CORNER: "chapter_corner", FOUR_WHEELS: "compact_car"}
 _MODELS = {CORNER: "single_corner", FOUR_WHEELS: CAR}
-_START = 10_000 * NANOSECONDS
+START = 10_000 * NANOSECONDS
 """Stamp of the first sample: late enough for stamps an hour older."""
 
 
@@ -162,7 +162,7 @@ class Manoeuvre:
             seed=seed,
             vehicle_velocity=self.car == CORNER,
         )
-        return Simulation(parameters, self.vehicle, _START)
+        return Simulation(parameters, self.vehicle, START)
 
 
 class Hit(Enum):

@@ -9,13 +9,14 @@ from math import inf, nan
 from typing import Any
 
 import numpy as np
-from friction_msgs.msg import BrakeCommand, SupervisorState
+from friction_msgs.msg import BrakeCommand, SupervisorState, WheelSlip
 from numpy.typing import NDArray
 
 from abs_supervisor.parameters import SLOPE_SIGN
-from campaigns.faults.case import ONSET, Arrival, Case, Fault, Manoeuvre, Site, at_once
-from corner_sim.plant import SAMPLE_TIME, SLIP_MIN_SPEED, PlantSample
+from campaigns.faults.case import ONSET, START, Arrival, Case, Fault, Manoeuvre, Site, at_once
+from corner_sim.plant import SAMPLE_TIME, SAMPLE_TIME_NS, SLIP_MIN_SPEED, PlantSample
 from friction_bags.offline.estimators import WHEEL_ESTIMATORS, closed_loop_parameters, make_processors
+from friction_runtime.messages import to_nanoseconds
 from friction_runtime.processor import Level, Processor, silent
 from vehicle_models.reason import Reason
 
@@ -39,6 +40,8 @@ class Record:
     """[m], shape (k,)."""
     slip: Array
     """True slip [-], shape (k, n); NaN at standstill."""
+    slip_error: Array
+    """Of the estimated slips that are valid, over their standard deviations [-], shape (k, n); NaN for others."""
     command: NDArray[np.int64]
     """In force after the sample, constants of BrakeCommand, shape (k, n)."""
     acting: NDArray[np.bool_]
@@ -62,6 +65,7 @@ class Recorder:
         self._samples: list[PlantSample] = []
         self._commands: list[list[int]] = []
         self._actings: list[list[bool]] = []
+        self._slips: list[WheelSlip] = []
         self._before: set[str] = set()
         self._named, self._said = inf, ""
 
@@ -75,6 +79,11 @@ class Recorder:
         self._acting[self._wheels.index(message.wheel)] = message.state != _S0
         if message.validity.reason not in _QUIET:
             self.diagnosis(now, f"{message.wheel}/abs_supervisor: {message.validity.text}")
+
+    def slip(self, message: WheelSlip) -> None:
+        """Take an estimated slip."""
+        if message.validity.valid:
+            self._slips.append(message)
 
     def diagnosis(self, now: float, text: str) -> None:
         """Take what diagnostics or a state say above OK."""
@@ -97,17 +106,29 @@ class Recorder:
         samples = self._samples
         speed = np.array([each.speed for each in samples])
         slip = np.array([each.slip for each in samples])
+        slip = np.where(speed[:, np.newaxis] > SLIP_MIN_SPEED, slip, nan)
         return Record(
             stopped,
             np.array([each.index * SAMPLE_TIME for each in samples]),
             speed,
             np.array([each.distance for each in samples]),
-            np.where(speed[:, np.newaxis] > SLIP_MIN_SPEED, slip, nan),
+            slip,
+            self._slip_errors(slip),
             np.array(self._commands),
             np.array(self._actings),
             self._named,
             self._said,
         )
+
+    def _slip_errors(self, slip: Array) -> Array:
+        """Return the errors of the valid slips, in the rows of their stamps."""
+        errors = np.full_like(slip, nan)
+        for message in self._slips:
+            row = round((to_nanoseconds(message.header.stamp) - START) / SAMPLE_TIME_NS)
+            if 0 <= row < len(slip):
+                wheel = self._wheels.index(message.wheel)
+                errors[row, wheel] = (message.slip - slip[row, wheel]) / message.slip_stddev
+        return errors
 
 
 def _kind(text: str) -> str:
@@ -199,6 +220,9 @@ class Loop:
                 waiting.extend(self._passed(processor.process(topic, message)))
 
     def _passed(self, outputs: Sequence[tuple[str, Any]]) -> list[Arrival]:
+        for _, message in outputs:
+            if isinstance(message, WheelSlip):
+                self._recorder.slip(message)
         return [arrival for topic, message in outputs for arrival in self._acting(topic, message)]
 
     def _watch(self) -> None:

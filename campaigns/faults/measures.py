@@ -14,7 +14,7 @@ from abs_supervisor.parameters import SupervisorParameters
 from benchmarks.protocol import DT
 from benchmarks.runner import run_lengths
 from campaigns.faults.case import CORNER, ONSET, Case, Hit, Manoeuvre
-from campaigns.faults.catalogue import LOCKED_START, NO_FAULT, NOISE
+from campaigns.faults.catalogue import IMU, LOCKED_START, NO_FAULT, NOISE, PRESSURE, WHEEL_SENSOR
 from campaigns.faults.loop import Record
 from corner_sim.plant import SAMPLE_TIME
 from vehicle_models import burckhardt
@@ -62,6 +62,8 @@ def without_abs(manoeuvre: Manoeuvre) -> Reference:
     )
 
 
+_SIGMAS = 3.0
+"""Standard deviations from which on an estimate is wrong."""
 _SLOW = 3.0
 """Below this speed [m/s] slip and the loss of ABS do not count."""
 _LOST = 0.1
@@ -98,6 +100,8 @@ class Measures:
     """[s] from the last good message to NONE at all wheels that are hit; 0 where the fault was there before braking."""
     healthy_lost: bool
     """A wheel that the fault does not hit lost its ABS."""
+    wrong_slips: float
+    """Share of the valid slips above 3 m/s that are wrong by more than three of their standard deviations."""
     utilisation: float
     """Mean of mu / mu_max down to 5 m/s."""
 
@@ -132,6 +136,7 @@ def measure(record: Record, case: Case, manoeuvre: Manoeuvre, reference: Referen
         named=record.named - ONSET - max(case.begin, 0.0) if record.named < inf else inf,
         none=float(record.time[none[0]] - before) if none.size and case.begin >= 0.0 else 0.0 if none.size else inf,
         healthy_lost=_longest(~record.acting[:, ~hit] & fast & begun[:, np.newaxis]) > _LOST,
+        wrong_slips=_share(np.abs(record.slip_error[fast[:, 0]]) > _SIGMAS, record.slip_error[fast[:, 0]]),
         utilisation=float(used.mean() / mu_max),
     )
 
@@ -151,6 +156,11 @@ def _hit(case: Case, wheels: int) -> Flags:
     return hit
 
 
+def _share(flags: Flags, values: NDArray[np.float64]) -> float:
+    """Share of the values that are known for which a flag is set; 0 where none is known."""
+    return float(flags.sum() / max(np.isfinite(values).sum(), 1))
+
+
 def _longest(flags: Flags) -> float:
     """Longest time [s] that a column of flags, shape (k, n), stays true."""
     return int(run_lengths(flags).max(initial=0)) * DT
@@ -168,6 +178,8 @@ _UTILISATION = {"dry": 0.798, "wet": 0.850, "cobblestone": 0.742, "snow": 0.777}
 """Least of the corner in a panic stop without fault."""
 _LONGEST_LOCK = 0.05
 """[s] in a panic stop without fault."""
+_WRONG_SLIPS = 0.05
+"""Share of the valid slips."""
 _RECOVERY = 1.0
 """[s] within which a wheel that has locked turns again."""
 
@@ -207,6 +219,8 @@ def _all(case: Case, manoeuvre: Manoeuvre, found: Measures, no_fault: Measures) 
         yield Limit("lock [s]", found.longest_lock, _LONGEST_LOCK)
         if manoeuvre.car == CORNER:
             yield Limit("utilisation lost", 1.0 - found.utilisation, 1.0 - _UTILISATION[manoeuvre.surface])
+    if case in (NO_FAULT, *NOISE, *WHEEL_SENSOR, *PRESSURE, *IMU):
+        yield Limit("valid slips that are wrong", found.wrong_slips, _WRONG_SLIPS)
     if case is LOCKED_START:
         yield Limit("lock [s]", found.longest_lock, _RECOVERY)
     if not panic:

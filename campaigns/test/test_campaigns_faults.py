@@ -188,7 +188,8 @@ def test_a_release_counts_at_the_wheels_that_stay_before_their_peak_without_abs(
         one = record([1] * 10 + [int(BrakeCommand.DECREASE)] * 40 + [1] * 50, [0.2] * 100, [True] * 100)
         command = np.ones((100, 4), dtype=np.int64)
         command[:, wheel] = one.command[:, 0]
-        run = replace(one, command=command, slip=one.slip.repeat(4, axis=1), acting=one.acting.repeat(4, axis=1))
+        alike = {name: getattr(one, name).repeat(4, axis=1) for name in ("slip", "slip_error", "acting")}
+        run = replace(one, command=command, **alike)
         found = measure(run, NO_FAULT, manoeuvre, stop)
         names = [each.name for each in limits(NO_FAULT, manoeuvre, found, found) if not each.passed]
         assert ("DECREASE of a healthy wheel" in names) == (wheel not in beyond)
@@ -200,7 +201,7 @@ def record(command: Sequence[int], slip: Sequence[float], acting: Sequence[bool]
     time = np.array([ONSET + DT * i for i in range(k)])
     return Record(
         True, time, np.full(k, 20.0), np.array([20.0 * DT * i for i in range(k)]), np.array(slip)[:, np.newaxis],
-        np.array(command)[:, np.newaxis], np.array(acting)[:, np.newaxis], inf, "",
+        np.full((k, 1), np.nan), np.array(command)[:, np.newaxis], np.array(acting)[:, np.newaxis], inf, "",
     )  # fmt: skip
 
 
@@ -285,6 +286,16 @@ def test_partial_braking_of_the_corner_keeps_its_brake() -> None:
     rows = list(load_part("campaigns", "faults").run(options))
     assert [row["fault"] for row in rows] == faults
     assert {row["fault"]: row["failures"] for row in rows if not row["passed"]} == {}
+
+
+def test_valid_slips_stay_within_their_intervals_where_a_pressure_reads_zero() -> None:
+    """All wheels slip beside one without a torque, as they would with an accelerometer that is wrong."""
+    manoeuvre = Manoeuvre(FOUR_WHEELS, "cobblestone", 1.5)
+    (case,) = (each for each in FAULTS if each.name == "pressure_zero")
+    run = Loop(manoeuvre, case, 40_000, "curve").run(2.0)
+    valid = run.slip_error[run.time > ONSET]
+    assert np.isfinite(valid).mean() > 0.5
+    assert measure(run, case, manoeuvre, reference(4)).wrong_slips < 0.01
 
 
 @pytest.mark.parametrize(("law", "begin"), [("slope_sign", 0.5), ("curve", 0.5), ("curve", 1.5)])
