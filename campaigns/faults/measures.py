@@ -14,7 +14,7 @@ from abs_supervisor.parameters import SupervisorParameters
 from benchmarks.protocol import DT
 from benchmarks.runner import run_lengths
 from campaigns.faults.case import CORNER, ONSET, Case, Hit, Manoeuvre
-from campaigns.faults.catalogue import IMU, LOCKED_START, NO_FAULT, NOISE, PRESSURE, WHEEL_SENSOR
+from campaigns.faults.catalogue import LOCKED_START, NO_FAULT, NOISE
 from campaigns.faults.loop import Record
 from corner_sim.plant import SAMPLE_TIME
 from vehicle_models import burckhardt
@@ -178,8 +178,6 @@ _UTILISATION = {"dry": 0.798, "wet": 0.850, "cobblestone": 0.742, "snow": 0.777}
 """Least of the corner in a panic stop without fault."""
 _LONGEST_LOCK = 0.05
 """[s] in a panic stop without fault."""
-_WRONG_SLIPS = 0.05
-"""Share of the valid slips."""
 _RECOVERY = 1.0
 """[s] within which a wheel that has locked turns again."""
 
@@ -219,8 +217,7 @@ def _all(case: Case, manoeuvre: Manoeuvre, found: Measures, no_fault: Measures) 
         yield Limit("lock [s]", found.longest_lock, _LONGEST_LOCK)
         if manoeuvre.car == CORNER:
             yield Limit("utilisation lost", 1.0 - found.utilisation, 1.0 - _UTILISATION[manoeuvre.surface])
-    if case in (NO_FAULT, *NOISE, *WHEEL_SENSOR, *PRESSURE, *IMU):
-        yield Limit("valid slips that are wrong", found.wrong_slips, _WRONG_SLIPS)
+    yield Limit("valid slips that are wrong", found.wrong_slips, case.wrong_slips)
     if case is LOCKED_START:
         yield Limit("lock [s]", found.longest_lock, _RECOVERY)
     if not panic:

@@ -1,7 +1,7 @@
-"""Frozen wheel speed check: a wheel that repeats one speed to the last bit while the others change theirs.
+"""Frozen wheel speed check: a wheel that repeats one speed while the others change theirs, or stops at once.
 
-One that rolls steadily on a road without noise repeats its speed as well, and so does a coarse sensor; then the other
-wheels keep theirs.
+It repeats it to the last bit. One that rolls steadily on a road without noise does so as well, and so does a coarse
+sensor; then the other wheels keep theirs. A lock takes time: no brake stops a fast wheel from one sample to the next.
 """
 
 from collections.abc import Sequence
@@ -15,6 +15,11 @@ _REPEATS: Final = round(0.05 * NANOSECONDS)
 """Time for which a wheel repeats its speed at least [ns]."""
 _CHANGED: Final = 0.5
 """Change of the others' speeds meanwhile [m/s]."""
+_STANDS: Final = 0.6
+"""Speed below which a wheel stands [m/s]."""
+_HARDEST: Final = 2000.0
+"""Deceleration of its circumference by the strongest brake of a car [m/s^2]: 5 kN m at 0.75 kg m^2 and 0.3 m."""
+STUCK, DEAD = "stuck", "dead"
 
 
 class FrozenWheels:
@@ -26,13 +31,33 @@ class FrozenWheels:
 
     def reset(self) -> None:
         """Forget everything."""
+        self._last: dict[int, tuple[int, float]] = {}
+        """By wheel: stamp [ns] and speed [m/s] of its last sample."""
+        self._dead: set[int] = set()
+        """Wheels that stopped at once, and stand."""
         self._same: dict[int, tuple[int, tuple[float, ...]]] = {}
         """By wheel: stamp since which it repeats its speed [ns], and the speeds of all wheels then."""
 
-    def update(self, stamp: int, rim_speeds: Sequence[float]) -> list[bool]:
-        """Take the rim speeds of all wheels at a stamp [ns], not finite where missing; return which are frozen."""
+    def update(self, stamp: int, rim_speeds: Sequence[float]) -> list[str]:
+        """Take the rim speeds of all wheels at a stamp [ns], not finite where missing; return what is wrong with each.
+
+        STUCK, DEAD, or empty where nothing is.
+        """
         now = tuple(rim_speeds)
-        return [self._is_frozen(index, stamp, now) for index in range(len(now))]
+        stuck = [self._is_frozen(index, stamp, now) for index in range(len(now))]
+        dead = [self._is_dead(index, stamp, speed) for index, speed in enumerate(now)]
+        return [DEAD if stops else STUCK if keeps else "" for keeps, stops in zip(stuck, dead, strict=True)]
+
+    def _is_dead(self, index: int, stamp: int, speed: float) -> bool:
+        """Whether a wheel stands since it stopped at once."""
+        if isfinite(speed):
+            since, before = self._last.get(index, (stamp, speed))
+            self._last[index] = (stamp, speed)
+            if abs(speed) >= _STANDS:
+                self._dead.discard(index)
+            elif before - speed > _HARDEST * (stamp - since) / NANOSECONDS + _STANDS:
+                self._dead.add(index)
+        return index in self._dead
 
     def _is_frozen(self, index: int, stamp: int, rim_speeds: tuple[float, ...]) -> bool:
         speed, same = rim_speeds[index], self._same.get(index)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_parameters.parameter import group, max_gap_parameter, minimum_speed_parameter, parameter
-from sensor_monitor.frozen_wheel import FrozenWheels
+from sensor_monitor.frozen_wheel import DEAD, STUCK, FrozenWheels
 from sensor_monitor.signal_noise import MORE, SignalNoise
 from sensor_monitor.unit_check import UnitCheck
 from sensor_monitor.wheel_noise import WheelNoise
@@ -122,7 +122,7 @@ class SlipEstimator:
             noisy = self._accelerometer_noise.variance > MORE * self._ordinary
             self.car.set_drift(self._accelerometer_noise.drift if noisy else 0.0)
         self._watch_noise(stamp, wheel_speeds)
-        rolling = [nan if dead else rim for rim, dead in zip(rims, frozen, strict=True)]
+        rolling = [nan if wrong else rim for rim, wrong in zip(rims, frozen, strict=True)]
         self.car.update(stamp, rolling, reading, torques, turned, doubt)
         self.speed_sensor.follow(stamp, self.car)
         for sample in measured_speeds:
@@ -132,8 +132,8 @@ class SlipEstimator:
         self._units.update(stamp, smooth, rates, reading, measured_speeds[-1].speed if measured_speeds else None)
         of_car = self._known()
         return [
-            self._estimate(wheel, known, motion, _FROZEN if dead else of_car)
-            for (wheel, _, _, known), motion, dead in zip(wheels, self._motions(loaded, doubt), frozen, strict=True)
+            self._estimate(wheel, known, motion, _FAULTS.get(wrong, of_car))
+            for (wheel, _, _, known), motion, wrong in zip(wheels, self._motions(loaded, doubt), frozen, strict=True)
         ]
 
     @property
@@ -238,4 +238,7 @@ class SlipEstimator:
         return WheelEstimate(found, rate, speed[0], omega[0], variance, rate_variance, speed[1], reason, text)
 
 
-_FROZEN = Reason.WHEEL_SENSOR, "wheel speed repeats itself while the others change: stuck"
+_FAULTS = {
+    STUCK: (Reason.WHEEL_SENSOR, "wheel speed repeats itself while the others change: stuck"),
+    DEAD: (Reason.WHEEL_SENSOR, "wheel speed falls to zero at once, as no brake can cause: dead"),
+}
