@@ -198,5 +198,5 @@ class Case:
     """What the text must contain in which the fault is named."""
     stretch: float = inf
     """Longest distance over that of the same stop without fault."""
-    wrong_slips: float = inf
-    """Largest share of the valid slips that are wrong by three of their standard deviations."""
+    wrong_for: float = inf
+    """[s] longest time for which a valid slip is wrong."""

@@ -100,8 +100,8 @@ class Measures:
     """[s] from the last good message to NONE at all wheels that are hit; 0 where the fault was there before braking."""
     healthy_lost: bool
     """A wheel that the fault does not hit lost its ABS."""
-    wrong_slips: float
-    """Share of the valid slips above 3 m/s that are wrong by more than three of their standard deviations."""
+    wrong_for: float
+    """[s] longest time at a stretch, above 3 m/s, for which a slip is valid and off by more than three deviations."""
     utilisation: float
     """Mean of mu / mu_max down to 5 m/s."""
 
@@ -136,7 +136,7 @@ def measure(record: Record, case: Case, manoeuvre: Manoeuvre, reference: Referen
         named=record.named - ONSET - max(case.begin, 0.0) if record.named < inf else inf,
         none=float(record.time[none[0]] - before) if none.size and case.begin >= 0.0 else 0.0 if none.size else inf,
         healthy_lost=_longest(~record.acting[:, ~hit] & fast & begun[:, np.newaxis]) > _LOST,
-        wrong_slips=_share(np.abs(record.slip_error[fast[:, 0]]) > _SIGMAS, record.slip_error[fast[:, 0]]),
+        wrong_for=_longest((np.abs(record.slip_error) > _SIGMAS) & fast),
         utilisation=float(used.mean() / mu_max),
     )
 
@@ -154,11 +154,6 @@ def _hit(case: Case, wheels: int) -> Flags:
     hit = np.full(wheels, case.hit is Hit.ALL_WHEELS)
     hit[0] = case.hit is not Hit.NO_WHEEL
     return hit
-
-
-def _share(flags: Flags, values: NDArray[np.float64]) -> float:
-    """Share of the values that are known for which a flag is set; 0 where none is known."""
-    return float(flags.sum() / max(np.isfinite(values).sum(), 1))
 
 
 def _longest(flags: Flags) -> float:
@@ -217,7 +212,7 @@ def _all(case: Case, manoeuvre: Manoeuvre, found: Measures, no_fault: Measures) 
         yield Limit("lock [s]", found.longest_lock, _LONGEST_LOCK)
         if manoeuvre.car == CORNER:
             yield Limit("utilisation lost", 1.0 - found.utilisation, 1.0 - _UTILISATION[manoeuvre.surface])
-    yield Limit("valid slips that are wrong", found.wrong_slips, case.wrong_slips)
+    yield Limit("valid and wrong slip [s]", found.wrong_for, case.wrong_for)
     if case is LOCKED_START:
         yield Limit("lock [s]", found.longest_lock, _RECOVERY)
     if not panic:

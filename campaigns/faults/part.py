@@ -94,7 +94,7 @@ def _row(manoeuvre: Manoeuvre, case: Case, seeds: int, stops: _Stops, no_fault: 
         "released_share": found.released,
         "release_below_half_lambda_max_s": found.wrong_release,
         "largest_slip": found.largest_slip,
-        "wrong_slips": found.wrong_slips,
+        "wrong_slip_s": found.wrong_for,
         "utilisation": found.utilisation,
         "none_after_s": found.none if case.none_within < 1e9 else None,
         "named_after_s": found.named,

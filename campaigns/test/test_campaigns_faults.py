@@ -295,7 +295,7 @@ def test_valid_slips_stay_within_their_intervals_where_a_pressure_reads_zero() -
     run = Loop(manoeuvre, case, 40_000, "curve").run(2.0)
     valid = run.slip_error[run.time > ONSET]
     assert np.isfinite(valid).mean() > 0.5
-    assert measure(run, case, manoeuvre, reference(4)).wrong_slips < 0.01
+    assert measure(run, case, manoeuvre, reference(4)).wrong_for < 0.03
 
 
 @pytest.mark.parametrize(("law", "begin"), [("slope_sign", 0.5), ("curve", 0.5), ("curve", 1.5)])

@@ -5,7 +5,7 @@ sensor; then the other wheels keep theirs. A lock takes time: no brake stops a f
 """
 
 from collections.abc import Sequence
-from math import isfinite
+from math import isfinite, nan
 from statistics import median
 from typing import Final
 
@@ -35,16 +35,19 @@ class FrozenWheels:
         """By wheel: stamp [ns] and speed [m/s] of its last sample."""
         self._dead: set[int] = set()
         """Wheels that stopped at once, and stand."""
-        self._same: dict[int, tuple[int, tuple[float, ...]]] = {}
-        """By wheel: stamp since which it repeats its speed [ns], and the speeds of all wheels then."""
+        self._same: dict[int, tuple[int, tuple[float, ...], float]] = {}
+        """By wheel: stamp since which it repeats its speed [ns], the speeds of all wheels then, and what was felt."""
 
-    def update(self, stamp: int, rim_speeds: Sequence[float]) -> list[str]:
-        """Take the rim speeds of all wheels at a stamp [ns], not finite where missing; return what is wrong with each.
+    def update(self, stamp: int, rim_speeds: Sequence[float], felt: float = nan) -> list[str]:
+        """Return what is wrong with each wheel: STUCK, DEAD, or empty where nothing is.
 
-        STUCK, DEAD, or empty where nothing is.
+        Args:
+            stamp: [ns]
+            rim_speeds: of all wheels [m/s], not finite where missing.
+            felt: integral of the car's acceleration [m/s], with which a wheel that is alone is compared.
         """
         now = tuple(rim_speeds)
-        stuck = [self._is_frozen(index, stamp, now) for index in range(len(now))]
+        stuck = [self._is_frozen(index, stamp, now, felt) for index in range(len(now))]
         dead = [self._is_dead(index, stamp, speed) for index, speed in enumerate(now)]
         return [DEAD if stops else STUCK if keeps else "" for keeps, stops in zip(stuck, dead, strict=True)]
 
@@ -59,12 +62,12 @@ class FrozenWheels:
                 self._dead.add(index)
         return index in self._dead
 
-    def _is_frozen(self, index: int, stamp: int, rim_speeds: tuple[float, ...]) -> bool:
+    def _is_frozen(self, index: int, stamp: int, rim_speeds: tuple[float, ...], felt: float) -> bool:
         speed, same = rim_speeds[index], self._same.get(index)
         if same is None or same[1][index] != speed or speed == 0.0:
-            self._same[index] = (stamp, rim_speeds)
+            self._same[index] = (stamp, rim_speeds, felt)
             return False
-        since, before = same
+        since, before, felt_before = same
         if stamp - since < _REPEATS:
             return False
         changes = [
@@ -72,4 +75,4 @@ class FrozenWheels:
             for place, (now, then) in enumerate(zip(rim_speeds, before, strict=True))
             if place != index and isfinite(now) and isfinite(then)
         ]
-        return bool(changes) and median(changes) > _CHANGED
+        return (median(changes) if changes else abs(felt - felt_before)) > _CHANGED

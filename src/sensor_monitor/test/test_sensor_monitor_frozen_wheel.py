@@ -34,8 +34,12 @@ def test_a_wheel_that_changes_is_not_frozen() -> None:
     assert not any(frozen(8.0, None))
 
 
-def test_one_wheel_alone_is_compared_with_nothing() -> None:
+def test_one_wheel_alone_is_compared_with_what_the_car_feels() -> None:
     assert not any(frozen(8.0, stuck=0.5, others=0))
+    wheels = FrozenWheels()
+    found = [wheels.update(k * STEP, [20.0], felt=-0.04 * k)[0] for k in range(1, 100)]
+    assert found[:10] == [""] * 10
+    assert found[20:] == [STUCK] * 79
 
 
 def test_wheels_that_are_missing_say_nothing() -> None:

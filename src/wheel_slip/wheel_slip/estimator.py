@@ -115,7 +115,7 @@ class SlipEstimator:
         loaded, doubt = self._rolling.update(since, self.car.acceleration if reading is None else reading, leftward)
         wheels = list(zip(self._wheels, wheel_speeds, (self._at_rest * loaded).tolist(), seen, strict=True))
         rims = [omega * radius if known and not wheel.in_gap else nan for wheel, omega, radius, known in wheels]
-        frozen = self._frozen.update(stamp, rims)
+        frozen = self._frozen.update(stamp, rims, nan if reading is None else self.car.travelled)
         if reading is not None:
             self._read = True
             self._accelerometer_noise.update(stamp, reading)
