@@ -10,13 +10,12 @@ from statistics import median
 from typing import Final
 
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.physical_bounds import STANDING
 
 _REPEATS: Final = round(0.05 * NANOSECONDS)
 """Time for which a wheel repeats its speed at least [ns]."""
 _CHANGED: Final = 0.5
 """Change of the others' speeds meanwhile [m/s]."""
-_STANDS: Final = 0.6
-"""Speed below which a wheel stands [m/s]."""
 _HARDEST: Final = 2000.0
 """Deceleration of its circumference by the strongest brake of a car [m/s^2]: 5 kN m at 0.75 kg m^2 and 0.3 m."""
 STUCK, DEAD = "stuck", "dead"
@@ -56,9 +55,9 @@ class FrozenWheels:
         if isfinite(speed):
             since, before = self._last.get(index, (stamp, speed))
             self._last[index] = (stamp, speed)
-            if abs(speed) >= _STANDS:
+            if abs(speed) >= STANDING:
                 self._dead.discard(index)
-            elif before - speed > _HARDEST * (stamp - since) / NANOSECONDS + _STANDS:
+            elif before - speed > _HARDEST * (stamp - since) / NANOSECONDS + STANDING:
                 self._dead.add(index)
         return index in self._dead
 

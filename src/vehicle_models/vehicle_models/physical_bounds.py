@@ -33,6 +33,8 @@ ICE_FRICTION: Final = 0.05
 """Friction coefficient of wet ice, the smoothest road [-]."""
 LOWEST_APPARENT_FRICTION: Final = 0.035
 """The same as it appears by a nominal brake gain and load, both of which may be wrong [-]."""
+STANDING: Final = 0.6
+"""Speed of the rim [m/s] below which an encoder reads zero."""
 HARDEST_BRAKING: Final = 12.0
 """Highest deceleration of any car on any road [m/s^2]."""
 NEW_RUN: Final = 50_000_000

@@ -30,13 +30,14 @@ from numpy.typing import NDArray
 
 from vehicle_models.constants import GRAVITY
 from vehicle_models.nanoseconds import NANOSECONDS
+from vehicle_models.physical_bounds import STANDING
 from vehicle_models.vehicle import STATED, Vehicle, absolute_deviation, deviation_of, specified_stddev
 from wheel_slip.filter_bank import FilterBank
 from wheel_slip.motion_noise import MotionNoise
 from wheel_slip.prediction import MISTOLD, PRIOR, Prediction
 from wheel_slip.radius_odds import RadiusOdds
 from wheel_slip.step import Step
-from wheel_slip.tyre_forces import LOCKED, TELLING
+from wheel_slip.tyre_forces import TELLING
 from wheel_slip.wheel_correction import WheelCorrection
 from wheel_slip.wheel_equation import SLOWEST_TURN, B, C, F, K, S, T, U, V, speed_before
 
@@ -260,7 +261,7 @@ class CarMotion:
         most = 2.0 * self._noise.lateral / max(abs(speed), SLOWEST_TURN)
         self._bank.x[:, U] = np.clip(self._correction.equation.turn(rim_speeds), -most, most)
         variance = (0.5 * speed) ** 2
-        if abs(speed) <= LOCKED:
+        if abs(speed) <= STANDING:
             variance = self._correction.standing_variance(self._step, self._speed, float(self.covariance[V, V]))
         self._begin_at(speed, variance)
 

@@ -34,6 +34,12 @@ from wheel_slip.wheel_speed_filter import WheelFilterParameters, WheelSpeedFilte
 
 Array = NDArray[np.float64]
 
+_FAULTS = {
+    STUCK: (Reason.WHEEL_SENSOR, "wheel speed repeats itself while the others change: stuck"),
+    DEAD: (Reason.WHEEL_SENSOR, "wheel speed falls to zero at once, as no brake can cause: dead"),
+}
+"""What is said of a wheel by what is wrong with its sensor."""
+
 
 @dataclass(frozen=True)
 class EstimatorParameters:
@@ -236,9 +242,3 @@ class SlipEstimator:
         rate = slip_rate(speed[0], acceleration[0], omega[0], omega_dot[0], radius)
         rate_variance = slip_rate_variance(speed, acceleration, omega, omega_dot, radius)
         return WheelEstimate(found, rate, speed[0], omega[0], variance, rate_variance, speed[1], reason, text)
-
-
-_FAULTS = {
-    STUCK: (Reason.WHEEL_SENSOR, "wheel speed repeats itself while the others change: stuck"),
-    DEAD: (Reason.WHEEL_SENSOR, "wheel speed falls to zero at once, as no brake can cause: dead"),
-}

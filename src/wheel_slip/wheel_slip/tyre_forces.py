@@ -22,8 +22,6 @@ Array = NDArray[np.float64]
 
 TELLING = 0.5
 """Force over load times g [m/s^2] from which on a tyre's slip has the sign of its force."""
-LOCKED = 0.6
-"""Rim speed [m/s] below which an encoder reads zero."""
 SLOWEST = 1.0
 """Speed [m/s] that divides in place of a slower one."""
 
@@ -48,7 +46,7 @@ class Forces(NamedTuple):
     felt: float
     """What an accelerometer would read by the torques [m/s^2]; NaN where none of them brakes."""
     pull: float
-    """Braking of the car by all its tyres, as it was felt [m/s^2]."""
+    """Braking of the car by all its tyres, by the reading of the accelerometer [m/s^2]."""
     braked: float
     """The same by the torques [m/s^2], NaN where they are unknown."""
 

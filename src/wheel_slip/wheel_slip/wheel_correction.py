@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicle_models.nanoseconds import NANOSECONDS
-from vehicle_models.physical_bounds import HARDEST_BRAKING
+from vehicle_models.physical_bounds import HARDEST_BRAKING, STANDING
 from vehicle_models.vehicle import Vehicle
 from wheel_slip.filter_bank import FilterBank
 from wheel_slip.motion_noise import MotionNoise
 from wheel_slip.prediction import MISREAD, MISTOLD, PRIOR, ROW, SLOPE_KEPT
 from wheel_slip.step import Means, Step
 from wheel_slip.torque_odds import TorqueOdds
-from wheel_slip.tyre_forces import LOCKED, SLOWEST, TELLING, Forces, TyreForces
+from wheel_slip.tyre_forces import SLOWEST, TELLING, Forces, TyreForces
 from wheel_slip.tyre_slip import TyreSlip
 from wheel_slip.wheel_equation import B, C, F, S, U, V, WheelEquation, speed_before
 
@@ -120,7 +120,7 @@ class WheelCorrection:
         behind = self._relaxation / max(abs(speed), SLOWEST)
         unlike = reading - (0.0 if unread else offset - misread) - rates
         rest = np.maximum(np.abs(unlike) - 3.0 * sqrt(2.0 * self._rim_variance) / span, 0.0)
-        locked = np.abs(then.rim_speeds) <= LOCKED
+        locked = np.abs(then.rim_speeds) <= STANDING
         settles = np.array([[p.pressure_delay if self.told else p.correlation], [p.correlation]])
         self._tyres.disturb(dt, rest, behind + settles)
         torques, unrest, error = self._smoothed(), self._tyres.unrest, float(mean[F])
@@ -163,8 +163,8 @@ class WheelCorrection:
             speed: of the car, as it was known [m/s].
             variance: of that [m^2/s^2].
         """
-        surprise = (step.felt / self._offset) ** 2 + speed**2 / (variance + LOCKED**2)
-        once = (0.2 * LOCKED) ** 2 * exp(min(0.5 * surprise, 20.0))
+        surprise = (step.felt / self._offset) ** 2 + speed**2 / (variance + STANDING**2)
+        once = (0.2 * STANDING) ** 2 * exp(min(0.5 * surprise, 20.0))
         return once * _STANDS / self._noise.step  # however long they stand, that they are locked is one doubt
 
     def _smoothed(self) -> list[float] | None:

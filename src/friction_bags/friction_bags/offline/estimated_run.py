@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
-from friction_bags.bag_io.cdr import decode, type_name
+from friction_bags.bag_io.cdr import type_name
 from friction_bags.bag_vehicle import VEHICLE_NOTE
 from friction_bags.offline.plan import ProcessOptions, SayOnce, open_bag, plan_for
-from friction_bags.offline.run import ProcessResult, not_decoded
+from friction_bags.offline.run import ProcessResult, fed, not_decoded
 from friction_bags.results.recorded_run import RecordedRun
 from friction_bags.results.run_reader import RunCollector
 from friction_runtime.processor import ProcessorGraph
@@ -37,17 +36,11 @@ def estimated_run(bag: Path, options: ProcessOptions) -> tuple[ProcessResult, Re
         made = {topic: kind for processor in processors for topic, kind in processor.outputs.items()}
         shown = {topic for topic, kind in made.items() if collector.adds(topic, type_name(kind))}
         taken = {topic: name for topic, name in zip(reader.counts, plan.taken, strict=True) if name}
-        refused = dict.fromkeys(taken.values(), 0)
+        refused: dict[str, int] = {}
         count = given = 0
         for topic, _, data in reader.messages(taken):
-            name = taken[topic]
             count += 1
-            try:
-                message: Any = decode(data, graph.inputs[name])
-            except ValueError:
-                refused[name] += 1
-                continue
-            for output, answer in graph.feed(name, message):
+            for output, answer in fed(graph, taken[topic], data, refused):
                 given += 1
                 if output in shown:
                     collector.take(output, answer)

@@ -1,7 +1,7 @@
 """A bag through the processors, in a chain of processes."""
 
 import gc
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from fcntl import F_SETPIPE_SZ, fcntl
@@ -28,7 +28,7 @@ from friction_bags.offline.plan import (
     output_numbers,
     plan_for,
 )
-from friction_runtime.processor import ProcessorGraph
+from friction_runtime.processor import Output, ProcessorGraph
 from vehicle_models.nanoseconds import NANOSECOND
 
 Outputs = list[tuple[int, bytes]]
@@ -45,11 +45,24 @@ _PROGRESS_EVERY = 1000
 _number = itemgetter(0)
 
 
-class StageRun:
-    """Takes the messages of a bag with the outputs of the stages before, adds its own.
+def fed(graph: ProcessorGraph, name: str, data: bytes, refused: dict[str, int]) -> Iterable[Output]:
+    """Feed processors with a message as CDR and return their outputs.
 
-    Messages that cannot be decoded are skipped, and counted by topic in `refused`.
+    One that cannot be decoded is skipped, and counted by topic in `refused`; one that nobody takes has no outputs.
     """
+    kind = graph.inputs.get(name)
+    if kind is None:
+        return ()
+    try:
+        message: Any = decode(data, kind)
+    except ValueError:
+        refused[name] = refused.get(name, 0) + 1
+        return ()
+    return graph.feed(name, message)
+
+
+class StageRun:
+    """Takes the messages of a bag with the outputs of the stages before, adds its own; `refused` as in `fed`."""
 
     def __init__(self, stage: Stage, numbers: Mapping[str, int]) -> None:
         """Start without messages.
@@ -71,15 +84,7 @@ class StageRun:
             self._feed(topic, encoded, outputs)
 
     def _feed(self, name: str, data: bytes, outputs: Outputs) -> None:
-        kind = self._graph.inputs.get(name)
-        if kind is None:
-            return
-        try:
-            message: Any = decode(data, kind)
-        except ValueError:
-            self.refused[name] = self.refused.get(name, 0) + 1
-            return
-        for topic, made in self._graph.feed(name, message):
+        for topic, made in fed(self._graph, name, data, self.refused):
             outputs.append((self._numbers[topic], encode(made)))
 
 
@@ -124,7 +129,7 @@ def steps_of_stages(plan: OfflinePlan, stages: int, problems: list[str]) -> Iter
 
 def not_decoded(refused: Mapping[str, int]) -> list[str]:
     """Return texts on messages that could not be decoded, counted by topic."""
-    return [f"{name}: {number} messages cannot be decoded" for name, number in refused.items() if number]
+    return [f"{name}: {number} messages cannot be decoded" for name, number in refused.items()]
 
 
 def _run_stage(plan: OfflinePlan, stage: int, stages: int, before: Connection | None, behind: Connection) -> None:
