@@ -77,9 +77,15 @@ def test_the_lateral_forces_of_the_tyres_are_those_that_the_axles_need(family: F
     tyres = slips_at(samples, start, nodes, family, p)
     assert tyres.across is not None
     assert (tyres.across[0] == tyres.across[1]).all() and (tyres.across[2] == tyres.across[3]).all()
-    load = motion(CarConstants(CAR, WHEELS), nodes, p, Carried()).load
+    car = CarConstants(CAR, WHEELS)
+    moved = motion(car, nodes, p, Carried())
+    load = moved.load
     force = ACROSS * exp(p[Unknown.LOG_MU_MAX]) * load * tyres.curve.value * tyres.across / np.abs(tyres.size)
-    assert force.sum(axis=0) == pytest.approx(CAR.mass * LEFTWARD, rel=0.01)
+    torque, _ = delayed(samples, nodes, start, float(p[Unknown.PRESSURE_DELAY]))
+    backward = ((torque + car.inertia * nodes.wheel_acceleration) / car.radius)[:2].sum(axis=0)
+    steering = CAR.wheelbase * nodes.yaw_rate / moved.speed + tyres.across[0] - tyres.across[2]
+    assert force.sum(axis=0) == pytest.approx(CAR.mass * LEFTWARD + backward * steering, rel=0.003)
+    assert (backward * steering).max() > 0.01 * CAR.mass * LEFTWARD
     assert np.all(load[1] > load[0])
 
 

@@ -49,7 +49,8 @@ class AxleForces:
         share = vehicle.front_load_share
         self._mass = vehicle.mass * np.where(is_front, share, 1.0 - share)
         self._moment = np.where(is_front, 1.0, -1.0) / vehicle.wheelbase
-        self._inertia = GYRATION * vehicle.mass * share * (1.0 - share) * vehicle.wheelbase**2
+        self.inertia = GYRATION * vehicle.mass * share * (1.0 - share) * vehicle.wheelbase**2
+        """Of yaw [kg m^2]."""
 
     def at(self, leftward: Array | float, yaw_acceleration: Array | float, moment: Array | float) -> Array:
         """Return the lateral force of the axle of each wheel, to the left [N], (n,) and the shape of the arguments.
@@ -59,7 +60,7 @@ class AxleForces:
             yaw_acceleration: counter-clockwise [rad/s^2].
             moment: yaw moment of the brakes, counter-clockwise [N m].
         """
-        turning = self._inertia * np.asarray(yaw_acceleration) - np.asarray(moment)
+        turning = self.inertia * np.asarray(yaw_acceleration) - np.asarray(moment)
         return np.asarray(np.multiply.outer(self._mass, leftward) + np.multiply.outer(self._moment, turning))
 
 

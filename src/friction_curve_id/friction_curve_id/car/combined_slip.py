@@ -1,6 +1,6 @@
 """Slips of the tyres along and across: the force of a tyre points along its slip sigma = hypot(s_x, s_y).
 
-    F_x = Fz mu(sigma) s_x / sigma,    k sum over the axle of Fz mu(sigma) s_y / sigma = F_y
+    F_x = Fz mu(sigma) s_x / sigma,    k sum over the axle of Fz mu(sigma) s_y / sigma = F_y + F_x steering
 
 Both wheels of an axle share one s_y, solved from its lateral force F_y by Newton's method; k is the friction across
 over that along. Close to the lateral limit a force determines no slip: there s_y has a large deviation.
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from friction_curve_id.car.car_constants import CarConstants
 from friction_curve_id.car.car_model import SPEED_UNKNOWNS, Motion, brake_gains
 from friction_curve_id.car.curve_family import CurveValues, Family, curve_values
-from friction_curve_id.car.node_signals import Nodes
+from friction_curve_id.car.node_signals import Nodes, turning_beside_brakes
 from friction_curve_id.car.pitch import PITCH_UNKNOWNS
 from friction_curve_id.car.unknowns import OF_CURVE, SHARED, Unknown
 from vehicle_models.constants import GRAVITY
@@ -31,6 +31,8 @@ _CLOSE: Final = 2e-3
 """Change of s_y over lambda_max in the last Newton step."""
 _LEAST_SLOPE: Final = 0.15
 """Least slope of the lateral force over its secant: what is flatter determines no slip."""
+_LASTING: Final = 0.05
+"""Time for which the error of a lateral force lasts [s]: by the motion of the body and of the loads."""
 _BIAS: Final = 0.1
 """Deviation of a lateral acceleration by the road's crossfall and the roll of the body [m/s^2]."""
 _MOST_UNKNOWN: Final = 0.05
@@ -99,10 +101,15 @@ def tyre_slips(
     share = (car.share_fixed + car.share_sign * p[Unknown.FRONT_LOAD_SHARE]) / car.share
     spinning = car.inertia * exp(float(p[Unknown.LOG_INERTIA])) * nodes.wheel_acceleration
     brakes = (brake_gains(car, nodes, p) * torque + p[Unknown.ENGINE_DRAG] * car.driven + spinning) / car.radius
-    moment = car.axles.lever @ brakes * exp(-float(p[Unknown.LOG_MASS]))
-    force = car.axles.at(nodes.leftward - p[Unknown.LATERAL_OFFSET], nodes.yaw_acceleration, moment)
-    asked = ratio * share * np.abs(force)
+    moment = car.axles.lever @ brakes * exp(-float(p[Unknown.LOG_MASS])) / car.axles.inertia
+    force = car.axles.at(nodes.leftward - p[Unknown.LATERAL_OFFSET], turning_beside_brakes(nodes, moment), 0.0)
+    of_car = ratio * share * np.abs(force)
+    # The brakes of steered wheels push the car out of the curve.
+    steered = exp(-float(p[Unknown.LOG_ACROSS])) * car.front * (brakes + brakes[car.partner])
+    heading = car.wheelbase * np.abs(nodes.yaw_rate) / moved.speed
     by_offset = -2.0 * car.share * car.mass * ratio * share * np.sign(force)
+    # Errors that last are no noise of each node: so many of them in a row count as one.
+    lasting = np.sqrt(1.0 + 2.0 * _LASTING / nodes.interval)
     s_y = np.zeros_like(s_x) if begin is None else begin
     partner = car.partner
     for step in range(_NEWTON_STEPS):
@@ -115,7 +122,8 @@ def tyre_slips(
         slope += slope[partner]
         stiffness = moved.load * secant
         stiffness += stiffness[partner]
-        by_force = 1.0 / np.maximum(slope, _LEAST_SLOPE * stiffness)
+        asked = of_car + steered * (heading + s_y[car.front_wheel] - s_y[car.rear_wheel])
+        by_force = 1.0 / np.maximum(slope - steered, _LEAST_SLOPE * stiffness)
         wanted = np.clip(s_y + (asked - stiffness * s_y) * by_force, 0.0, _WIDEST * peak)
         moves = float(np.abs(wanted - s_y).max())
         if moves < _CLOSE * peak or step + 1 == _NEWTON_STEPS:
@@ -128,8 +136,8 @@ def tyre_slips(
         s_y,
         asked,
         by_offset,
-        asked * car.share_sign / (share * car.share),
-        np.hypot(FORCE_STDDEV * asked, _BIAS * by_offset) * by_force,
+        of_car * car.share_sign / (share * car.share),
+        np.hypot(FORCE_STDDEV * asked * lasting, _BIAS * by_offset) * by_force,
         by_force,
         along * sideways * (rise - secant),
         rise * along**2 + secant * sideways**2,

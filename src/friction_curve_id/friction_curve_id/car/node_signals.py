@@ -18,6 +18,7 @@ from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import savgol_filter
 
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_constants import CarConstants
@@ -33,7 +34,7 @@ In ordinary driving one of the two is below 0.7 of its limit; a wheel that comes
 """
 
 
-_EITHER_SIDE = 0.025
+_EITHER_SIDE = 0.04
 """Time before and after a node over which the yaw acceleration is taken [s]."""
 
 
@@ -67,8 +68,6 @@ class Nodes:
     """Work of the brakes at nominal gain [J], shape (W, n)."""
     yaw_rate: Array
     """Counter-clockwise [rad/s], shape (n,); zero where it is not measured."""
-    yaw_acceleration: Array
-    """[rad/s^2], shape (n,)."""
     leftward: Array
     """Lateral acceleration [m/s^2], shape (n,)."""
     sideways: Array
@@ -95,7 +94,6 @@ class Nodes:
             self.turning[:, nodes],
             self.work[:, nodes],
             self.yaw_rate[nodes],
-            self.yaw_acceleration[nodes],
             self.leftward[nodes],
             self.sideways[nodes],
             self.rolled[nodes],
@@ -186,7 +184,6 @@ def node_signals(car: CarConstants, samples: BrakingSamples, start: Start, wheel
         ~_near(standing),
         work,
         yaw_rate,
-        _rate(yaw_rate, time),
         leftward,
         sideways - start.sideways,
         rolled,
@@ -228,12 +225,20 @@ def departs(car: CarConstants, nodes: Nodes) -> bool:
     return bool((turning & (np.abs(beside[:, size:] - beside[:, :-size]) > least)).any())
 
 
-def _rate(values: Array, time: Array) -> Array:
-    """Return the derivative by differences over twice _EITHER_SIDE, less at the ends; shapes (n,)."""
-    n = time.size
-    size = max(round(_EITHER_SIDE / max(float(np.median(np.diff(time))), 1e-4)), 1)
-    before, after = np.maximum(np.arange(n) - size, 0), np.minimum(np.arange(n) + size, n - 1)
-    return np.asarray((values[after] - values[before]) / (time[after] - time[before]))
+def turning_beside_brakes(nodes: Nodes, moment: Array) -> Array:
+    """Return yaw acceleration less what a moment over the yaw inertia makes of it [rad/s^2], shape (n,).
+
+    Lateral forces turn the car more smoothly than brakes do, so that their share survives where noise does not.
+
+    Args:
+        nodes: measured signals.
+        moment: of the brakes over the yaw inertia [rad/s^2], shape (n,).
+    """
+    turned = nodes.yaw_rate.copy()
+    turned[1:] -= np.cumsum(0.5 * (moment[1:] + moment[:-1]) * np.diff(nodes.time))
+    interval = max(float(np.median(nodes.interval)), 1e-4)
+    size = 2 * min(round(_EITHER_SIDE / interval), (turned.size - 1) // 2) + 1
+    return np.asarray(savgol_filter(turned, size, min(3, size - 1), deriv=1, delta=interval))
 
 
 def _near(standing: NDArray[np.bool_]) -> NDArray[np.bool_]:
