@@ -19,7 +19,7 @@ from friction_curve_id.car.car_constants import CarConstants
 from friction_curve_id.car.car_model import Carried, motion
 from friction_curve_id.car.combined_slip import TyreSlips, shows_friction, tyre_slips
 from friction_curve_id.car.curve_family import SHAPE_PRIORS, Family
-from friction_curve_id.car.node_signals import Nodes, Start, delayed, node_signals
+from friction_curve_id.car.node_signals import Nodes, Start, delayed, node_signals, turning_beside_brakes
 from friction_curve_id.car.prior import car_prior
 from friction_curve_id.car.rear_slip import rear_slip
 from friction_curve_id.car.unknowns import Unknown
@@ -87,6 +87,17 @@ def test_the_lateral_forces_of_the_tyres_are_those_that_the_axles_need(family: F
     assert force.sum(axis=0) == pytest.approx(CAR.mass * LEFTWARD + backward * steering, rel=0.003)
     assert (backward * steering).max() > 0.01 * CAR.mass * LEFTWARD
     assert np.all(load[1] > load[0])
+
+
+@pytest.mark.parametrize("count", [5, 12, 80])
+def test_the_turning_by_lateral_forces_is_free_of_the_moment_of_the_brakes(count: int) -> None:
+    samples, start = braking_in_a_curve()
+    nodes = signals(samples, start).subset(slice(0, count))
+    time = nodes.time
+    moment = 3.0 * np.sign(np.sin(90.0 * time))  # brakes that come and go
+    by_brakes = np.concatenate([[0.0], np.cumsum(0.5 * (moment[1:] + moment[:-1]) * np.diff(time))])
+    nodes = replace(nodes, yaw_rate=0.3 + 0.5 * time - 2.0 * time**2 + by_brakes)
+    assert turning_beside_brakes(nodes, moment) == pytest.approx(0.5 - 4.0 * time, abs=1e-9)
 
 
 def test_a_straight_road_leaves_no_slip_across_and_shows_all_frictions() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.car_constants import CarConstants
-from friction_curve_id.car.car_model import Motion
+from friction_curve_id.car.car_model import Motion, steering
 from friction_curve_id.car.combined_slip import TyreSlips
 from friction_curve_id.car.node_signals import Nodes
 from friction_curve_id.car.unknowns import Unknown
@@ -102,7 +102,5 @@ def block_means(columns: Array, nodes: Nodes, told: NDArray[np.bool_]) -> Array:
 
 def _cornering(car: CarConstants, nodes: Nodes, moved: Motion, across: Array) -> Array:
     """Deceleration by the lateral force of the front wheels, which are steered [m/s^2], shape (n,)."""
-    path = car.wheelbase * np.abs(nodes.yaw_rate) / moved.speed
-    steering = path + across[car.front_wheel] - across[car.rear_wheel]
     share = car.share[car.front_wheel] + car.share[car.partner[car.front_wheel]]
-    return np.asarray(share * np.abs(nodes.leftward) * steering)
+    return np.asarray(share * np.abs(nodes.leftward) * steering(car, nodes, moved.speed, across))

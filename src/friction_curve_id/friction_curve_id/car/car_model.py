@@ -203,6 +203,19 @@ def relaxed_by(moved: Motion, nodes: Nodes, unknowns: Array, slip: Array) -> Arr
     return recursion(keep, driving)[:, 0]
 
 
+def steering(car: CarConstants, nodes: Nodes, speed: Array, across: Array) -> Array:
+    """Return the angle of the front wheels into the curve [rad], shape (n,).
+
+    Args:
+        car: nominal values.
+        nodes: measured signals.
+        speed: of the car [m/s], shape (n,).
+        across: lateral slips s_y of the tyres [-], shape (W, n).
+    """
+    path = car.wheelbase * np.abs(nodes.yaw_rate) / speed
+    return np.asarray(path + across[car.front_wheel] - across[car.rear_wheel])
+
+
 def _steered(car: CarConstants, nodes: Nodes, speed: Array, across: Array) -> Array:
     """Speed of the front wheels along their planes over that of the car, less 1, shape (n,).
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_curve_id.car.car_constants import CarConstants
-from friction_curve_id.car.car_model import SPEED_UNKNOWNS, Motion, brake_gains
+from friction_curve_id.car.car_model import SPEED_UNKNOWNS, Motion, brake_gains, steering
 from friction_curve_id.car.curve_family import CurveValues, Family, curve_values
 from friction_curve_id.car.node_signals import Nodes, turning_beside_brakes
 from friction_curve_id.car.pitch import PITCH_UNKNOWNS
@@ -106,7 +106,6 @@ def tyre_slips(
     of_car = ratio * share * np.abs(force)
     # The brakes of steered wheels push the car out of the curve.
     steered = exp(-float(p[Unknown.LOG_ACROSS])) * car.front * (brakes + brakes[car.partner])
-    heading = car.wheelbase * np.abs(nodes.yaw_rate) / moved.speed
     by_offset = -2.0 * car.share * car.mass * ratio * share * np.sign(force)
     # Errors that last are no noise of each node: so many of them in a row count as one.
     lasting = np.sqrt(1.0 + 2.0 * _LASTING / nodes.interval)
@@ -122,7 +121,7 @@ def tyre_slips(
         slope += slope[partner]
         stiffness = moved.load * secant
         stiffness += stiffness[partner]
-        asked = of_car + steered * (heading + s_y[car.front_wheel] - s_y[car.rear_wheel])
+        asked = of_car + steered * steering(car, nodes, moved.speed, s_y)
         by_force = 1.0 / np.maximum(slope - steered, _LEAST_SLOPE * stiffness)
         wanted = np.clip(s_y + (asked - stiffness * s_y) * by_force, 0.0, _WIDEST * peak)
         moves = float(np.abs(wanted - s_y).max())

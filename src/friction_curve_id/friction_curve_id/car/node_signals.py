@@ -14,11 +14,11 @@ turned on average, and the four pressures of a node reach as far.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 
 from friction_curve_id.car.braking_samples import BrakingSamples
 from friction_curve_id.car.car_constants import CarConstants
@@ -237,8 +237,22 @@ def turning_beside_brakes(nodes: Nodes, moment: Array) -> Array:
     turned = nodes.yaw_rate.copy()
     turned[1:] -= np.cumsum(0.5 * (moment[1:] + moment[:-1]) * np.diff(nodes.time))
     interval = max(float(np.median(nodes.interval)), 1e-4)
-    size = 2 * min(round(_EITHER_SIDE / interval), (turned.size - 1) // 2) + 1
-    return np.asarray(savgol_filter(turned, size, min(3, size - 1), deriv=1, delta=interval))
+    half = min(round(_EITHER_SIDE / interval), (turned.size - 1) // 2)
+    size = 2 * half + 1
+    slopes = _slopes_of_cubics(size)
+    result = np.empty_like(turned)
+    result[: half + 1] = slopes[: half + 1] @ turned[:size]
+    result[half : turned.size - half] = np.convolve(turned, slopes[half, ::-1], "valid")
+    result[turned.size - half :] = slopes[half + 1 :] @ turned[turned.size - size :]
+    return result / interval
+
+
+@cache
+def _slopes_of_cubics(size: int) -> Array:
+    """Return weights of neighbouring values: the slope at each of the cubic nearest to them, shape (size, size)."""
+    place, power = np.arange(size)[:, np.newaxis] - 0.5 * (size - 1), np.arange(min(4, size))
+    slope = power * place ** np.maximum(power - 1, 0)
+    return np.asarray(slope @ np.linalg.pinv(place**power))
 
 
 def _near(standing: NDArray[np.bool_]) -> NDArray[np.bool_]:
