@@ -96,7 +96,10 @@ class CurveStop:
 
 
 def make_curve_stop(job: tuple[str, int]) -> CurveStop:
-    """Drive a case, by name, with a seed, and compare what was told with the truth."""
+    """Drive a case, by name, with a seed, and compare what was told with the truth.
+
+    What a driver holds is judged until a wheel passes its peak: the inner one may, in a curve.
+    """
     name, seed = job
     case = CASES[name]
     parameters, cycling = _car(case, seed)
@@ -122,9 +125,9 @@ def make_curve_stop(job: tuple[str, int]) -> CurveStop:
                         answer.mu_max_stddev,
                         float(answer.validity.valid),
                     )
-        if at.time > passed_at + FOLLOWED:
+        if at.time > passed_at + (0.0 if case.held else FOLLOWED):
             break
-    first = cycling.start if np.isinf(passed_at) else passed_at
+    first = cycling.start if case.held or np.isinf(passed_at) else passed_at
     judged = [
         (time, rows.get(stamp, np.full((4, 5), np.nan)), lam, mu) for stamp, time, lam, mu in truth if time >= first
     ]
