@@ -284,7 +284,7 @@ def test_noise_is_whitened_and_corrections_of_the_wheel_speeds_are_the_most_like
     fixed, load = rng.uniform(1.0, 5.0, (4, n)), rng.uniform(1e3, 1e4, (4, n))
     unused = np.zeros((4, n, 0))
     noise = EquationNoise(nodes, WheelEquation(error, unused, fixed, load, error, by_slip, None), continued)
-    factor = noise.factor(0.03)
+    factor = noise.factor(3)  # 0.03
     white = noise.whitened(factor, error.reshape(-1, 1).copy())[:, 0]
     found = noise.correction(factor, white)
     keep = np.exp(-nodes.interval[1:] / 0.02)

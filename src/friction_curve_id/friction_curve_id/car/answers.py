@@ -9,11 +9,11 @@ from friction_curve_id.car.braking import EARLIEST_VALID, Braking
 from friction_curve_id.car.combined_slip import share_across
 from friction_curve_id.car.curve_family import Family, burckhardt_k, curve_values
 from friction_curve_id.car.evidence import UNRESOLVED_HEIGHT, Peak, doubt, reaching_up
-from friction_curve_id.car.fit import LOAD_VARIATIONS
 from friction_curve_id.car.present_slip import present_slip
 from friction_curve_id.car.prior import SLIP_OFFSET_STDDEV
 from friction_curve_id.car.tyre_deviations import LAMBDA_MAX, mu_max_deviations
 from friction_curve_id.car.unknowns import Unknown
+from friction_curve_id.car.wheel_equation import LOAD_VARIATIONS
 from friction_curve_id.interface import UNKNOWN_THETA, CurveEstimate, RestartCause
 from vehicle_models.reason import Reason
 

@@ -6,7 +6,6 @@ stddev, with what older samples said as a quadratic in z.
 
 from dataclasses import dataclass, replace
 from math import exp, inf, log, sqrt
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,7 @@ from friction_curve_id.car.car_constants import CarConstants
 from friction_curve_id.car.car_model import Carried, Motion, carried_over, motion
 from friction_curve_id.car.combined_slip import TyreSlips, share_across, tyre_slips
 from friction_curve_id.car.curve_family import Family
-from friction_curve_id.car.memory import Quadratic, forgotten, loosened
+from friction_curve_id.car.memory import Quadratic, drifted, forgotten
 from friction_curve_id.car.node_signals import Nodes, Start, delayed
 from friction_curve_id.car.prior import Prior
 from friction_curve_id.car.rear_slip import rear_slip
@@ -26,27 +25,6 @@ from friction_curve_id.car.unknowns import OF_CURVE, OF_CURVES, Unknown
 from friction_curve_id.car.wheel_equation import EquationNoise, wheel_equation
 
 Array = NDArray[np.float64]
-
-LOAD_VARIATIONS = np.array([0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
-"""Values that the variation of the wheel load may take [-]; no model of road and tyre is better than the first."""
-
-
-class _Drift(NamedTuple):
-    """An unknown that leaves the model."""
-
-    unknown: Unknown
-    rate: float
-    """Standard deviation of what it gains within a second, in its unit."""
-    taken_along: Unknown | None = None
-    """Unknown that moves by `sign` times the time since the start, so that speed or curve until now stay."""
-    sign: float = 0.0
-
-
-_DRIFTS = (
-    _Drift(Unknown.SLOPE, 0.2, Unknown.START_SPEED, 1.0),
-    _Drift(Unknown.START_SPEED, 0.05),
-    _Drift(Unknown.CURVE_RATE, 0.004, Unknown.CURVE, -1.0),
-)
 
 _OF_START = [Unknown.START_SPEED]
 """Unknowns whose prior is that of the start of a braking: what drifts since takes them along."""
@@ -153,7 +131,10 @@ class CurveFit:
         equation = wheel_equation(self._car, nodes, moved, torque, rate, tyres, p, self._torque_stddev)
         error = equation.error - equation.by_wheel_speed * correction
         noise = EquationNoise(nodes, equation, self.carried.slip is not None)
-        factor = self._adapted(noise, error) if adapt else noise.factor(LOAD_VARIATIONS[self.load_variation])
+        if adapt:
+            self.load_variation, factor = noise.adapted(error, self.load_variation)
+        else:
+            factor = noise.factor(self.load_variation)
         size, acting = p.size, self._curving if tyres.across is not None else self._acting
         columns = np.empty((error.size, acting.size + 1), order="F")
         jacobian = equation.jacobian.reshape(-1, size)
@@ -289,13 +270,7 @@ class CurveFit:
         duration = float(nodes.interval[:number].sum())
         information = memory * past.information + at.information
         sd = self._prior.stddev
-        for unknown, rate, along, sign in _DRIFTS:
-            if sd[unknown] > 0.0:
-                step = np.zeros_like(sd)
-                step[unknown] = 1.0 / sd[unknown]
-                if along is not None:
-                    step[along] = sign * float(nodes.time[number]) / sd[along]
-                information, gradient = loosened(information, gradient, step, rate**2 * duration)
+        information, gradient = drifted(information, gradient, sd, float(nodes.time[number]), duration)
         self.past = Quadratic(information, gradient, self.z.copy(), likelihood)
         self._carry(nodes, number)
 
@@ -337,29 +312,3 @@ class CurveFit:
         if known is None or known.shape[1] == 0:
             return None
         return np.asarray(known[:, np.minimum(np.arange(count), known.shape[1] - 1)])
-
-    def _adapted(self, noise: EquationNoise, error: Array) -> Array:
-        """Move the load variation towards the maximum of its likelihood, up by at most a step; return its factor.
-
-        What a bad step of the fit makes it rise by would else make this family the less likely one for ten steps more.
-        """
-
-        def tried(variation: int) -> tuple[float, Array]:
-            factor = noise.factor(LOAD_VARIATIONS[variation])
-            white = noise.whitened(factor, error.reshape(-1, 1).copy())
-            return 0.5 * float((white * white).sum()) + float(np.log(factor[0]).sum()), factor
-
-        here = self.load_variation
-        least, best = tried(here)
-        if here + 1 < LOAD_VARIATIONS.size:
-            cost, factor = tried(here + 1)
-            if cost < least:
-                self.load_variation = here + 1
-                return factor
-        while here > 0:
-            cost, factor = tried(here - 1)
-            if not cost < least:
-                break
-            here, least, best = here - 1, cost, factor
-        self.load_variation = here
-        return best

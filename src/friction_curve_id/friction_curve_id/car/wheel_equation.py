@@ -29,6 +29,8 @@ _UNKNOWN_DRIVE = 150.0
 """Standard deviation of the torque of a driven wheel while the car does not brake [N m]."""
 _NOTHING = 1e8
 """Variance of what says nothing [rad^2/s^4]: its neighbours do not learn from it that the wheel speeds were right."""
+LOAD_VARIATIONS = np.array([0.01, 0.015, 0.02, 0.03, 0.04, 0.055, 0.075, 0.11])
+"""Values that the variation of the wheel load may take [-]; no model of road and tyre is better than the first."""
 _LOAD_CORRELATION = 0.02
 """Time over which the load of a wheel varies [s]: below 15 Hz."""
 
@@ -192,9 +194,36 @@ class EquationNoise:
         if continued:
             self._bands[0, :, 0] += _NOTHING
 
-    def factor(self, load_variation: float) -> Array:
-        """Lower factor of the covariance of what does not last, by its bands, shape (3, W n)."""
-        bands = self._bands + load_variation**2 * self._of_load
+    def adapted(self, error: Array, here: int) -> tuple[int, Array]:
+        """Move the load variation towards the maximum of its likelihood, by one step up at most; return it and its factor.
+
+        What a bad step of the fit makes it rise by would else make this family the less likely one for ten steps more.
+
+        Args:
+            error: e, shape (W, n).
+            here: present load variation, an index of LOAD_VARIATIONS.
+        """
+
+        def tried(variation: int) -> tuple[float, Array]:
+            factor = self.factor(variation)
+            white = self.whitened(factor, error.reshape(-1, 1).copy())
+            return 0.5 * float((white * white).sum()) + float(np.log(factor[0]).sum()), factor
+
+        least, best = tried(here)
+        if here + 1 < LOAD_VARIATIONS.size:
+            cost, factor = tried(here + 1)
+            if cost < least:
+                return here + 1, factor
+        while here > 0:
+            cost, factor = tried(here - 1)
+            if not cost < least:
+                break
+            here, least, best = here - 1, cost, factor
+        return here, best
+
+    def factor(self, load_variation: int) -> Array:
+        """Lower factor of the covariance of what does not last, by its bands, (3, W n); see LOAD_VARIATIONS."""
+        bands = self._bands + LOAD_VARIATIONS[load_variation] ** 2 * self._of_load
         lower, info = dpbtrf(bands.reshape(3, -1), lower=1)
         if info != 0:
             raise np.linalg.LinAlgError("the covariance is not positive definite")
