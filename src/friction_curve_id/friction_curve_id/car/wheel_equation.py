@@ -195,7 +195,7 @@ class EquationNoise:
             self._bands[0, :, 0] += _NOTHING
 
     def adapted(self, error: Array, here: int) -> tuple[int, Array]:
-        """Move the load variation towards the maximum of its likelihood, by one step up at most; return it and its factor.
+        """Move the load variation towards its maximum of likelihood, up by one step at most; return it with its factor.
 
         What a bad step of the fit makes it rise by would else make this family the less likely one for ten steps more.
 
