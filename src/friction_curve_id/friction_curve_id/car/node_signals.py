@@ -34,8 +34,8 @@ In ordinary driving one of the two is below 0.7 of its limit; a wheel that comes
 """
 
 
-_EITHER_SIDE = 0.04
-"""Time before and after a node over which the yaw acceleration is taken [s]."""
+_EITHER_SIDE = (0.025, 0.04, 0.06, 0.09)
+"""Times before and after a node over which a yaw rate may be taken for a cubic [s]: cross-validation chooses."""
 
 
 @dataclass(frozen=True)
@@ -237,22 +237,33 @@ def turning_beside_brakes(nodes: Nodes, moment: Array) -> Array:
     turned = nodes.yaw_rate.copy()
     turned[1:] -= np.cumsum(0.5 * (moment[1:] + moment[:-1]) * np.diff(nodes.time))
     interval = max(float(np.median(nodes.interval)), 1e-4)
-    half = min(round(_EITHER_SIDE / interval), (turned.size - 1) // 2)
-    size = 2 * half + 1
-    slopes = _slopes_of_cubics(size)
+    n = turned.size
+    half = (n - 1) // 2
+    if half > 1:
+        halves = {max(min(round(each / interval), n // 4), 2) for each in _EITHER_SIDE}
+        half = min(halves, key=lambda each: _missed(turned, each, max(halves)))
+    slopes = _cubics(2 * half + 1)[1]
     result = np.empty_like(turned)
-    result[: half + 1] = slopes[: half + 1] @ turned[:size]
-    result[half : turned.size - half] = np.convolve(turned, slopes[half, ::-1], "valid")
-    result[turned.size - half :] = slopes[half + 1 :] @ turned[turned.size - size :]
+    result[: half + 1] = slopes[: half + 1] @ turned[: 2 * half + 1]
+    result[half : n - half] = np.convolve(turned, slopes[half, ::-1], "valid")
+    result[n - half :] = slopes[half + 1 :] @ turned[n - 2 * half - 1 :]
     return result / interval
 
 
+def _missed(values: Array, half: int, margin: int) -> float:
+    """Return by how much cubics through `half` values on either side miss others, by generalised cross-validation."""
+    weights = _cubics(2 * half + 1)[0][half]
+    missed = (values[half : values.size - half] - np.convolve(values, weights[::-1], "valid"))[margin - half :]
+    return float(np.mean(missed[: values.size - 2 * margin] ** 2)) / (1.0 - float(weights[half])) ** 2
+
+
 @cache
-def _slopes_of_cubics(size: int) -> Array:
-    """Return weights of neighbouring values: the slope at each of the cubic nearest to them, shape (size, size)."""
+def _cubics(size: int) -> tuple[Array, Array]:
+    """Return weights of neighbouring values: value and slope at each of the cubic nearest to them, (size, size)."""
     place, power = np.arange(size)[:, np.newaxis] - 0.5 * (size - 1), np.arange(min(4, size))
-    slope = power * place ** np.maximum(power - 1, 0)
-    return np.asarray(slope @ np.linalg.pinv(place**power))
+    values = place**power
+    nearest = np.linalg.pinv(values)
+    return np.asarray(values @ nearest), np.asarray((power * place ** np.maximum(power - 1, 0)) @ nearest)
 
 
 def _near(standing: NDArray[np.bool_]) -> NDArray[np.bool_]:
