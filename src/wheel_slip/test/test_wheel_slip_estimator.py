@@ -467,3 +467,17 @@ def test_a_wheel_speed_that_jumps_before_a_braking_is_not_an_accelerometer_that_
         if time > 2.85:
             errors.append(estimator.car.speed - found.speed[k])
     assert np.abs(errors).max() < 0.3
+
+
+@pytest.mark.parametrize("factor", [0.95, 1.05])
+def test_a_wheel_whose_speed_jumps_as_no_force_makes_it_has_no_slip(factor: float) -> None:
+    found, estimator = hard_stop(), SlipEstimator(load_vehicle("compact_car"))
+    for k in range(590):  # before the brakes
+        read = found.wheel_speed[k].tolist()
+        if k > 300:
+            read[0] *= factor
+        row = estimator.update((k + 1) * STEP, read, float(found.acceleration[k]), torques=(0.0,) * 4)
+        if k > 350:
+            assert row[0].reason is Reason.WHEEL_SENSOR
+            assert isnan(row[0].slip)
+            assert all(each.reason is Reason.OK for each in row[1:])

@@ -60,6 +60,8 @@ class WheelMotion(NamedTuple):
     """As a share [-]."""
     covariance: float
     """Of ground speed and radius error [m/s]."""
+    failed: float
+    """Variance of its rim speed, as far as no motion explains it [m^2/s^2]."""
 
 
 class CarMotion:
@@ -295,6 +297,7 @@ class CarMotion:
             self._radii * (1.0 + mean[self._e :]),
             np.diagonal(covariance)[self._e :],
             both,
+            self._correction.failed,
         )
         self._wheels = [WheelMotion(*each) for each in zip(*[column.tolist() for column in columns], strict=True)]
         if self.started:

@@ -229,10 +229,14 @@ class SlipEstimator:
         elif reason is Reason.OK:
             found = slip(speed[0], omega[0], radius)
             variance = slip_variance(speed, omega, (radius, motion.radius_variance), motion.covariance)
+            by_failure = motion.failed / max(abs(speed[0]), self._p.minimum_speed) ** 2
             if variance > self._p.max_slip_stddev**2:
                 reason, text = Reason.UNCERTAIN, f"waiting for more speed: slip deviation {sqrt(variance):.3f}"
             elif abs(found) > HIGHEST_SLIP:
                 reason, text = Reason.BAD_INPUT, f"slip of {found:.2f}: the wheel spins, or the speed is wrong"
+            elif variance + by_failure > self._p.max_slip_stddev**2:
+                reason, text = Reason.WHEEL_SENSOR, "wheel speed is unlike its force: wrong, or the wheel spins"
+            variance += by_failure
         if reason is not Reason.OK:
             return WheelEstimate(nan, nan, speed[0], omega[0], nan, nan, speed[1], reason, text)
         acceleration, omega_dot = (

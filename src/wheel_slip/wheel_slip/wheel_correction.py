@@ -50,7 +50,8 @@ class WheelCorrection:
         """Forget everything."""
         self._tyres.reset()
         self.odds.reset()
-        self._failed, self._untold = np.zeros(self._count), np.zeros((2, self._count))
+        self.failed, self._untold = np.zeros(self._count), np.zeros((2, self._count))
+        """Variances of rim speeds that no motion explains [m^2/s^2], shape (wheels,)."""
         self._steps: deque[Means] = deque(maxlen=4)
         self._torques: deque[Array] = deque(maxlen=3)
         self.misread_way = 0.0
@@ -227,8 +228,8 @@ class WheelCorrection:
         sound = np.where(use, once + lasting[ROW] * many, 1.0)
         # One that has failed, or spins beyond any slip, is not explained by any state, and is not believed for a while.
         lasts = self._noise.failed / self._noise.step
-        failed = bank.doubt(h, innovation, sound, self._failed, self._noise.surprise, lasts)
-        self._failed = failed * exp(-1.0 / lasts)
+        failed = bank.doubt(h, innovation, sound, self.failed, self._noise.surprise, lasts)
+        self.failed = failed * exp(-1.0 / lasts)
         before = bank.x
         misfits = bank.correct(h, innovation, sound + failed, self._noise.quiet)
         self.odds.contradict(float(misfits[MISTOLD]) - np.count_nonzero(use))
