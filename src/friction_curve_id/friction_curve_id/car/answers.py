@@ -23,7 +23,6 @@ _LARGEST_STDDEV = 0.25
 """Largest deviation of lambda_max that is valid, and of a mu_max that is known alone, as a share [-]."""
 _MOST_UNMEASURED = 0.03
 """Share of the friction along the wheels that a curve may take where nothing measures the motion across."""
-_OF_CURVE = [Unknown.CURVE, Unknown.CURVE_RATE]
 _SURE = 2.0
 """Deviations by which a curve is at least as tight as it shows."""
 _BETWEEN_ROADS = 1.0
@@ -56,7 +55,7 @@ def answers(
         reason, text = _reason_of_lambda_max(peak, road.unresolved)
     road.astray.was_valid = road.astray.was_valid or reason is Reason.OK
     lambda_max, mu_max = exp(peak.log_lambda_max), exp(peak.log_mu_max)
-    best = int(np.argmax(peak.weights))
+    best = peak.likeliest
     surprised = road.astray.unexplained or bool(road.two_roads)
     fit, family = braking.fits[best], braking.families[best]
     shape = (float(fit.unknowns[Unknown.SHAPE_1]), float(fit.unknowns[Unknown.SHAPE_2]))
@@ -117,7 +116,7 @@ def _slips(braking: Braking, peak: Peak, time: float, speed: Array, gained: floa
 
 def _reason(braking: Braking, peak: Peak, time: float) -> tuple[Reason, str]:
     """Return why neither lambda_max nor mu_max may be used, OK where one of them may."""
-    road, best = braking.road, int(np.argmax(peak.weights))
+    road, best = braking.road, peak.likeliest
     since = time - road.began_at
     if since < EARLIEST_VALID and road.earliest_valid == EARLIEST_VALID:
         return Reason.NOT_READY, f"waiting for {EARLIEST_VALID} s of braking"
@@ -144,13 +143,13 @@ def _reason(braking: Braking, peak: Peak, time: float) -> tuple[Reason, str]:
 
 def _in_unmeasured_curve(braking: Braking, peak: Peak) -> bool:
     """Return whether the wheels show a curve that surely takes much of the friction, and nothing measures it."""
-    fit = braking.fits[int(np.argmax(peak.weights))]
+    fit = braking.fits[peak.likeliest]
     if braking.measured_across or fit.steps == 0:
         return False
     turned = float(fit.unknowns[Unknown.CURVE] + fit.unknowns[Unknown.CURVE_RATE] * fit.newest)
-    of_both = fit.covariance[np.ix_(_OF_CURVE, _OF_CURVE)]
-    now = np.array([1.0, fit.newest])
-    stddev = hypot(sqrt(max(float(now @ of_both @ now), 0.0)), SLIP_OFFSET_STDDEV)
+    of_both, curve, rate = fit.covariance, Unknown.CURVE, Unknown.CURVE_RATE
+    variance = of_both[curve, curve] + fit.newest * (2.0 * of_both[curve, rate] + fit.newest * of_both[rate, rate])
+    stddev = hypot(sqrt(max(float(variance), 0.0)), SLIP_OFFSET_STDDEV)
     least = max(abs(turned) - _SURE * stddev, 0.0)
     across = share_across(least, float(fit.moved.speed[-1]), braking.car, exp(peak.log_mu_max))
     return 0.5 * across**2 > _MOST_UNMEASURED

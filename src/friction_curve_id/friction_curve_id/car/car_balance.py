@@ -93,7 +93,7 @@ def car_balance(
 def block_means(columns: Array, nodes: Nodes, told: NDArray[np.bool_]) -> Array:
     """Return the means of columns over the blocks of which all nodes are `told`, (n, m) to (B, m)."""
     n, m = columns.shape
-    size = max(round(_BLOCK / max(float(np.median(nodes.interval)), 1e-4)), 1)
+    size = max(round(_BLOCK / nodes.sampling), 1)
     blocks = n // size
     first = n - blocks * size
     complete = told[first:].reshape(blocks, size).all(axis=1)

@@ -126,7 +126,7 @@ def motion(car: CarConstants, nodes: Nodes, unknowns: Array, carried: Carried, a
     """
     p, wheels, n = unknowns, car.wheels, nodes.time.size
     force = -(nodes.acceleration - p[Unknown.ACCELEROMETER_OFFSET]) / (1.0 + p[Unknown.ACCELEROMETER_SCALE])
-    pitch = pitch_of_body(force, float(np.median(nodes.interval)), p, carried.pitch or _at_rest(force))
+    pitch = pitch_of_body(force, nodes.sampling, p, carried.pitch or _at_rest(force))
     speed, gradient = speeds(nodes, p, pitch.pitch, carried.pitched)
     ground = speed - car.left * car.half_track * nodes.yaw_rate
     if across is not None:

@@ -52,6 +52,11 @@ class Peak:
     weights: tuple[float, ...]
     """Of the families, sum 1."""
 
+    @property
+    def likeliest(self) -> int:
+        """Number of the family with the largest weight."""
+        return self.weights.index(max(self.weights))
+
 
 def doubt(seen: bool, formula_known: bool) -> tuple[float, float]:
     """Factor and floor of the relative deviation of lambda_max, for what a formula leaves out."""

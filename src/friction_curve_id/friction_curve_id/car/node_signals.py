@@ -14,7 +14,7 @@ turned on average, and the four pressures of a node reach as far.
 """
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from math import pi
 
 import numpy as np
@@ -32,8 +32,8 @@ _DEPARTURE, _DEPARTURE_SLIP, _DEPARTURE_TIME = 1.5, 0.07, 0.1
 
 In ordinary driving one of the two is below 0.7 of its limit; a wheel that comes back on snow makes 1.4 of both.
 """
-
-
+_LEAST_SAMPLING = 1e-4
+"""[s]"""
 _EITHER_SIDE = (0.025, 0.04, 0.06, 0.09)
 """Times before and after a node over which a yaw rate may be taken for a cubic [s]: cross-validation chooses."""
 
@@ -76,6 +76,11 @@ class Nodes:
     """Lateral acceleration whose steady load transfer acts [m/s^2], shape (n,)."""
     spread: float
     """Share of its second difference that a torque's mean between the wheel speeds has more than its node [-]."""
+
+    @cached_property
+    def sampling(self) -> float:
+        """Median time between wheel speeds [s]."""
+        return max(float(np.median(self.interval)), _LEAST_SAMPLING)
 
     def subset(self, nodes: slice) -> "Nodes":
         """Return some neighbouring nodes."""
@@ -218,7 +223,7 @@ def departs(car: CarConstants, nodes: Nodes) -> bool:
 
     What friction loses there goes into the wheel, and back when the brake is released. A driver's pedal makes less.
     """
-    size = max(round(_DEPARTURE_TIME / max(float(np.median(nodes.interval)), 1e-4)), 1)
+    size = max(round(_DEPARTURE_TIME / nodes.sampling), 1)
     beside = car.radius * nodes.wheel_speed - nodes.speed_change
     turning = nodes.turning[:, size:] & nodes.turning[:, :-size]
     least = np.maximum(_DEPARTURE, _DEPARTURE_SLIP * (nodes.start_speed + nodes.speed_change[size:]))
@@ -236,8 +241,7 @@ def turning_beside_brakes(nodes: Nodes, moment: Array) -> Array:
     """
     turned = nodes.yaw_rate.copy()
     turned[1:] -= np.cumsum(0.5 * (moment[1:] + moment[:-1]) * np.diff(nodes.time))
-    interval = max(float(np.median(nodes.interval)), 1e-4)
-    n = turned.size
+    n, interval = turned.size, nodes.sampling
     half = (n - 1) // 2
     if half > 1:
         halves = {max(min(round(each / interval), n // 4), 2) for each in _EITHER_SIDE}

@@ -59,13 +59,17 @@ def present_slip(
     rows[:, Unknown.CURVE] = car.left[:, 0]
     rows[:, Unknown.CURVE_RATE] = car.left[:, 0] * time
     rows[range(wheels), SHARED + np.arange(wheels)] = 1.0
-    of_slip = _LASTING_ERRORS**2 * np.einsum("wi,ij,wj->w", rows, fit.covariance, rows)
-    rows[:, Unknown.LOG_LAMBDA_MAX] = -limit * factor
+    products = rows @ fit.covariance
+    of_slip = (products * rows).sum(axis=1)
+    # That of the slip less lambda_max.
+    of_limit = limit * factor
+    peak = Unknown.LOG_LAMBDA_MAX
+    beside = of_slip + of_limit * (of_limit * fit.covariance[peak, peak] - 2.0 * products[:, peak])
     across_variance: Array | float = 0.0
     if fit.tyres.across is not None:
         across, stddev = fit.tyres.across[:, -1], np.broadcast_to(fit.tyres.across_stddev, moved.slip.shape)[:, -1]
         slip, relaxed = np.hypot(slip, across), np.hypot(relaxed, across)
         across_variance = (stddev * across / np.maximum(relaxed, 1e-6)) ** 2
-    variance = np.einsum("wi,ij,wj->w", rows, fit.covariance, rows) + (floor * limit) ** 2 + across_variance
+    variance = beside + (floor * limit) ** 2 + across_variance
     beyond = [normal_probability(float((relaxed[each] - limit) / sqrt(variance[each]))) for each in range(wheels)]
-    return slip, of_slip, beyond
+    return slip, _LASTING_ERRORS**2 * of_slip, beyond
