@@ -173,8 +173,10 @@ class Hit(Enum):
     ALL_WHEELS = "all wheels"
 
 
+FROM_START = -ONSET
+"""Begin of a fault that is always there [s since the onset]."""
 BEFORE_BRAKING = -0.25
-"""Begin of a fault that is there before the brake [s since the onset]."""
+"""Begin of a fault that comes before the brake [s since the onset]."""
 IN_BRAKING = 0.5
 """Begin of a fault that comes while the car brakes [s since the onset]."""
 

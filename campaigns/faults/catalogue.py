@@ -9,6 +9,7 @@ from campaigns.faults.case import (
     BEFORE_BRAKING,
     CORNER,
     FOUR_WHEELS,
+    FROM_START,
     Case,
     Hit,
     Manoeuvre,
@@ -51,6 +52,7 @@ def _sensors(site: Site) -> tuple[str, ...]:
 NOISE = (
     Case("wheel_noise_x3", sensors.noisy, ALL, BEFORE_BRAKING, wrong_for=_WRONG),
     Case("wheel_ripple", sensors.rippled, ALL, BEFORE_BRAKING),
+    Case("wheel_ripple_always", sensors.rippled, ALL, FROM_START, wrong_for=_WRONG),
 )
 WHEEL_SENSOR = (
     Case(

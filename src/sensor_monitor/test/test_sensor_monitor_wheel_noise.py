@@ -46,3 +46,21 @@ def test_wheels_unlike_each_other_and_one_that_is_missing_say_nothing() -> None:
     assert drive(lambda time, rng: motion(time) + rng.normal(size=4), alike=False).variance == STATED
     missing = [0.0, 0.0, 0.0, np.nan]
     assert drive(lambda time, rng: motion(time) + rng.normal(size=4) + missing).variance == STATED
+
+
+@pytest.mark.parametrize("turning", [30.0, 60.0, 100.0, 125.0])
+@pytest.mark.parametrize("count", [1, 4])
+def test_a_ring_that_is_not_round_makes_noise_that_lasts(turning: float, count: int) -> None:
+    rng, noise = np.random.default_rng(3), WheelNoise(STATED)
+    phases = np.array([0.0, 2.0, 3.0, 5.0])[:count]
+    for number in range(1000):
+        time = 0.005 * number
+        felt = turning - 3.0 * np.sin(time)
+        ripple = 0.02 * turning * np.sin(turning * time + phases)
+        noise.update(number * 5_000_000, (felt + ripple + 0.07 * rng.normal(size=count)).tolist(), True, felt - turning)
+    assert noise.lasting**0.5 == pytest.approx(0.02 * turning / 2**0.5, rel=0.3)
+
+
+def test_white_noise_does_not_last() -> None:
+    noise = drive(lambda time, rng: motion(time) + 0.5 * rng.normal(size=4))
+    assert noise.lasting < 0.1 * noise.variance

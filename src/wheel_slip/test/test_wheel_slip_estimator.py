@@ -481,3 +481,20 @@ def test_a_wheel_whose_speed_jumps_as_no_force_makes_it_has_no_slip(factor: floa
             assert row[0].reason is Reason.WHEEL_SENSOR
             assert isnan(row[0].slip)
             assert all(each.reason is Reason.OK for each in row[1:])
+
+
+@pytest.mark.parametrize("car", ["chapter_car", "chapter_corner"])
+def test_slips_are_as_uncertain_as_encoder_rings_that_are_not_round_make_them(car: str) -> None:
+    """By 2 %, once in a turn: no filter averages that out."""
+    found, vehicle = hard_stop(), load_vehicle(car)
+    estimator, count = SlipEstimator(vehicle), len(vehicle.wheels)
+    angles = np.cumsum(found.wheel_speed * 0.005, axis=0) + np.array([0.0, 1.0, 3.0, 4.5])
+    read = (found.wheel_speed * (1.0 + 0.02 * np.sin(angles)))[:, :count]
+    off = []
+    for k, (wheels, acceleration) in enumerate(zip(read, found.acceleration, strict=True)):
+        row = estimator.update((k + 1) * STEP, wheels.tolist(), float(acceleration))
+        if k > 200:
+            assert all(each.reason is Reason.OK for each in row)
+            off += [abs(each.slip - found.slip[k, 0]) / sqrt(each.slip_variance) for each in row]
+    assert np.mean(np.array(off) > 3.0) < 0.01
+    assert np.mean(np.array(off) > 1.0) > 0.05  # nor are they much wider than that

@@ -159,8 +159,9 @@ class CarMotion:
 
     @property
     def is_forceless(self) -> bool:
-        """Whether no tyre has a force to speak of."""
-        return abs(self._step.reading or 0.0) < TELLING and self._correction.largest_force < TELLING
+        """Whether no tyre has a force to speak of; by the accelerometer where there is one, as ripple looks like one."""
+        reading = self._step.reading
+        return (self._correction.largest_force if reading is None else abs(reading)) < TELLING
 
     @property
     def radius_errors(self) -> tuple[Array, Array]:

@@ -181,10 +181,11 @@ class SlipEstimator:
     def _watch_noise(self, stamp: int, wheel_speeds: Sequence[float]) -> None:
         """Use the noise that wheels show which roll without force, from this sample on."""
         before = self._noise.variance
-        self._noise.update(stamp, wheel_speeds, self.car.started and self.car.is_forceless)
+        felt = self.car.travelled / float(self._at_rest[0]) if self._read else nan
+        self._noise.update(stamp, wheel_speeds, self.car.started and self.car.is_forceless, felt)
         if self._noise.variance != before:
             for wheel in self._wheels:
-                wheel.know_noise(self._noise.variance)
+                wheel.know_noise(self._noise.variance, self._noise.lasting)
             self.car.set_noise(self._noise.variance)
 
     def _motions(self, loaded: Array, doubt: Array) -> list[WheelMotion]:
@@ -216,7 +217,7 @@ class SlipEstimator:
         car, (reason, text), radius = self.car, known, motion.radius
         omega = (
             wheel.speed + wheel.age * wheel.acceleration,
-            wheel.speed_variance + wheel.lag_variance + wheel.age_variance,
+            wheel.speed_variance + wheel.lag_variance + wheel.age_variance + wheel.lasting_variance,
         )
         unknown = not car.started or bool(self._units.text)
         speed = (nan, nan) if unknown else (motion.ground, motion.ground_variance + self.speed_sensor.undecided)
@@ -241,7 +242,7 @@ class SlipEstimator:
             return WheelEstimate(nan, nan, speed[0], omega[0], nan, nan, speed[1], reason, text)
         acceleration, omega_dot = (
             (car.acceleration, car.acceleration_variance),
-            (wheel.acceleration, wheel.acceleration_variance),
+            (wheel.acceleration, wheel.acceleration_variance + wheel.lasting_variance * wheel.speed**2),
         )
         rate = slip_rate(speed[0], acceleration[0], omega[0], omega_dot[0], radius)
         rate_variance = slip_rate_variance(speed, acceleration, omega, omega_dot, radius)

@@ -86,6 +86,8 @@ class WheelSpeedFilter:
         self._variance = parameters.speed_stddev**2
         self._jerk_density = parameters.jerk_density
         self._max_gap = max_gap
+        self.lasting_variance = 0.0
+        """Of what lasts of the noise, which the filter does not average out [rad^2/s^2]."""
         self.reset()
 
     def reset(self) -> None:
@@ -119,9 +121,9 @@ class WheelSpeedFilter:
         if self._gap is not None:
             self._gap.reset()
 
-    def know_noise(self, variance: float) -> None:
-        """Take the variance of a wheel speed [rad^2/s^2] in place of the stated one."""
-        self._variance = variance
+    def know_noise(self, variance: float, lasting: float) -> None:
+        """Take the variance of a wheel speed in place of the stated one, and the part that lasts [rad^2/s^2]."""
+        self._variance, self.lasting_variance = variance, lasting
 
     def update(self, stamp: int, measured: float) -> None:
         """Take a wheel speed [rad/s], finite, at a stamp [ns] later than the last."""
