@@ -159,7 +159,7 @@ class CarMotion:
 
     @property
     def is_forceless(self) -> bool:
-        """Whether no tyre has a force to speak of; by the accelerometer where there is one, as ripple looks like one."""
+        """Whether no tyre has a force to speak of, by the accelerometer where there is one: ripple looks like one."""
         reading = self._step.reading
         return (self._correction.largest_force if reading is None else abs(reading)) < TELLING
 
