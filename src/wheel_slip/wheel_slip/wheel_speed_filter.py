@@ -123,7 +123,7 @@ class WheelSpeedFilter:
 
     def know_noise(self, variance: float, lasting: float) -> None:
         """Take the variance of a wheel speed in place of the stated one, and the part that lasts [rad^2/s^2]."""
-        self._variance, self.lasting_variance = variance, lasting
+        self._variance, self.lasting_variance = variance - lasting, lasting
 
     def update(self, stamp: int, measured: float) -> None:
         """Take a wheel speed [rad/s], finite, at a stamp [ns] later than the last."""
