@@ -80,6 +80,7 @@ class SlipEstimator:
             wheel.reset()
         self._units.reset()
         self._noise.reset()
+        self._know_noise()
         self._frozen.reset()
         self.car.reset()
         self.speed_sensor.reset()
@@ -184,9 +185,12 @@ class SlipEstimator:
         felt = self.car.travelled / float(self._at_rest[0]) if self._read else nan
         self._noise.update(stamp, wheel_speeds, self.car.started and self.car.is_forceless, felt)
         if self._noise.variance != before:
-            for wheel in self._wheels:
-                wheel.know_noise(self._noise.variance, self._noise.lasting)
-            self.car.set_noise(self._noise.variance)
+            self._know_noise()
+
+    def _know_noise(self) -> None:
+        for wheel in self._wheels:
+            wheel.know_noise(self._noise.variance, self._noise.lasting)
+        self.car.set_noise(self._noise.variance)
 
     def _motions(self, loaded: Array, doubt: Array) -> list[WheelMotion]:
         """Return the motion of every wheel on the radius that it has under its load; arguments as of RollingRadius."""

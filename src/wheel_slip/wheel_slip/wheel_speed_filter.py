@@ -83,11 +83,9 @@ class WheelSpeedFilter:
         """
         self._pitch = 2.0 * pi / teeth if parameters.edges else 0.0
         self._gap = MissingTooth(parameters.missing_teeth, 2.0 * pi / teeth) if parameters.missing_teeth else None
-        self._variance = parameters.speed_stddev**2
         self._jerk_density = parameters.jerk_density
         self._max_gap = max_gap
-        self.lasting_variance = 0.0
-        """Of what lasts of the noise, which the filter does not average out [rad^2/s^2]."""
+        self.know_noise(parameters.speed_stddev**2, 0.0)
         self.reset()
 
     def reset(self) -> None:
@@ -123,7 +121,9 @@ class WheelSpeedFilter:
 
     def know_noise(self, variance: float, lasting: float) -> None:
         """Take the variance of a wheel speed in place of the stated one, and the part that lasts [rad^2/s^2]."""
-        self._variance, self.lasting_variance = variance - lasting, lasting
+        self._variance = variance - lasting
+        self.lasting_variance = lasting
+        """Of what lasts of the noise, which the filter does not average out [rad^2/s^2]."""
 
     def update(self, stamp: int, measured: float) -> None:
         """Take a wheel speed [rad/s], finite, at a stamp [ns] later than the last."""
